@@ -1,0 +1,41 @@
+// How a failure that is not a bug travels: as a value. Anything that comes from outside (a file, a flag, bytes,
+// a worker) and is wrong becomes an Error whose message names the place and what was expected. Bugs use
+// COPPICE_CHECK instead (common/check.hpp).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <tl/expected.hpp>
+#include <utility>
+
+namespace coppice {
+
+enum class ErrorKind : std::uint8_t {
+  bad_input,    // the user's file, flag or text is wrong: exit code 2
+  failed,       // the environment failed (disk, network, process): exit code 1
+  interrupted,  // the user asked to stop; what was kept is valid
+};
+
+struct Error {
+  ErrorKind kind = ErrorKind::failed;
+  std::string message;  // one line, no trailing full stop needed, names file, line, field or flag
+};
+
+template <typename T>
+using Result = tl::expected<T, Error>;
+
+inline tl::unexpected<Error> bad_input(std::string message) {
+  return tl::unexpected<Error>(Error{ErrorKind::bad_input, std::move(message)});
+}
+
+inline tl::unexpected<Error> failed(std::string message) {
+  return tl::unexpected<Error>(Error{ErrorKind::failed, std::move(message)});
+}
+
+// The same error with the place prepended: "room.txt: line 3: ...".
+inline tl::unexpected<Error> in_context(const std::string& place, Error error) {
+  error.message = place + ": " + error.message;
+  return tl::unexpected<Error>(std::move(error));
+}
+
+}  // namespace coppice

@@ -1,0 +1,70 @@
+// What is scored. Every objective is an integer table of scores [states x (actions + 1)], the last column being "no
+// action"; an individual's tally is the sum of the table along its roll-outs or over all states. Integers make
+// a tally independent of the order of summation, hence of threads, SIMD width and machine. Quantities that are
+// not integral (Q-values, mean rewards) are rounded once, to fixed point, when the table is made.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/chain/chain.hpp"
+#include "common/error.hpp"
+#include "common/tree/node.hpp"
+
+namespace coppice {
+
+enum class ObjectiveKind : std::uint8_t {
+  agreement = 0,        // 1 where the tree's action is the policy's, along the walk (thesis IV, Algorithm 1)
+  q_value = 1,          // Q(s, tree's action) along the walk, fixed point (thesis 5-1-1, Algorithm 1)
+  shaped = 2,           // weights by predicate along the walk (thesis 5-1-2, Algorithm 2)
+  coverage = 3,         // states in which tree and policy agree; no walk (thesis Table IV, first row)
+  visits = 4,           // the same, each state weighted by its visits; no walk
+  expected_return = 5,  // mean reward recorded for (s, a) along the walk, fixed point; called "return" in text
+};
+inline constexpr std::uint8_t kObjectiveKinds = 6;
+
+// Fixed point of q_value and expected_return: value = score / kScoreOne. Values beyond +-kMaxScoredValue are
+// refused, so that a sum over 2^32 steps cannot overflow 64 bits.
+inline constexpr double kScoreOne = 1048576.0;  // 2^20
+inline constexpr double kMaxScoredValue = 2048.0;
+inline constexpr std::size_t kMaxShapedRules = 32;
+inline constexpr std::size_t kMaxShapedConditions = 32;
+
+// If any condition holds in the state: `right` when the tree's action is the policy's, else `wrong`.
+struct ShapedRule {
+  std::vector<Node> any_of;  // conditions; empty: holds in every state
+  std::int32_t right = 1;
+  std::int32_t wrong = 0;
+  bool operator==(const ShapedRule&) const = default;
+};
+
+struct Objective {
+  ObjectiveKind kind = ObjectiveKind::agreement;
+  std::vector<ShapedRule> rules;  // shaped only: the first rule that holds scores the state
+  bool operator==(const Objective&) const = default;
+};
+
+std::string_view name_of(ObjectiveKind kind);
+// Errors list the names that exist.
+Result<ObjectiveKind> objective_named(std::string_view name);
+inline bool along_walk(ObjectiveKind kind) { return kind != ObjectiveKind::coverage && kind != ObjectiveKind::visits; }
+
+// The rules of thesis Algorithm 2 (page 5-8): trash on s3, s4 or s5: +8 / -4; else a wall on s3: +1 / -2; else +1 / 0.
+// We differ: the thesis prints "s0 = 0" in the second rule, its prose says s3; we follow the prose.
+// Errors: the vocabulary has no s3, s4, s5.
+Result<std::vector<ShapedRule>> thesis_rules(const Vocabulary& vocabulary);
+
+// Scores of one objective on one chain.
+struct ScoreTable {
+  std::vector<std::int64_t> scores;  // [states x (actions + 1)]
+  double unit = 1.0;                 // value = sum of scores / unit
+  std::int64_t best_per_step = 1;    // along the walk: the largest score; over states: the sum of the largest
+};
+
+// Errors: shaped without rules or with too many, or with a condition outside the vocabulary; a value beyond
+// kMaxScoredValue.
+Result<ScoreTable> make_score_table(const Chain& chain, const Objective& objective);
+
+}  // namespace coppice

@@ -1,0 +1,32 @@
+// Trees by chance: the "grow" method of genetic programming (Koza 1992), used to initialise a population, by macro
+// mutation, and by property tests. The draws come in as a function, so that this library knows no generator.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+#include "common/tree/tree.hpp"
+
+namespace coppice {
+
+struct TreeShape {
+  std::size_t max_depth = 3;     // D_d of thesis Table III, in edges from the root
+  std::size_t max_children = 4;  // D_c of thesis Table III
+};
+
+// Uniform in [0, n) for n > 0.
+using Below = std::function<std::uint64_t(std::uint64_t n)>;
+
+// A condition (uniform feature, admitted operator, declared value) or an action, evenly.
+Node random_leaf(const Vocabulary& vocabulary, const Below& below);
+
+// Another leaf of the same kind: a condition gets a new feature, operator and value; an action a new action.
+Node mutated_leaf(const Node& leaf, const Vocabulary& vocabulary, const Below& below);
+
+// A tree of depth at most shape.max_depth whose composites have 2 to shape.max_children children: at each place above
+// the limit a composite or a leaf is drawn, at the limit a leaf. With `composite_root` the root is a composite if the
+// limits allow it. Stays within kMaxTreeNodes. REQUIRES: max_children >= 2, max_depth <= kMaxTreeDepth.
+Tree grow_tree(const Vocabulary& vocabulary, const TreeShape& shape, bool composite_root, const Below& below);
+
+}  // namespace coppice

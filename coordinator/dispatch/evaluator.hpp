@@ -1,0 +1,46 @@
+// The one seam of the coordinator: a batch of trees in, their tallies out, in order. Serial and remote evaluation
+// are indistinguishable but for time: the same bits for any number of workers and any fault.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/error.hpp"
+#include "common/fitness/job.hpp"
+#include "common/tree/tree.hpp"
+
+namespace coppice {
+
+// What an evaluator did so far; for progress lines and reports, never for decisions.
+struct DispatchStatistics {
+  std::uint64_t individuals = 0;  // settled
+  std::uint64_t batches = 0;      // sent
+  std::uint64_t duplicates = 0;   // answers to batches that were already settled
+  std::uint64_t requeued = 0;     // batches taken back from a worker that died, hung, left or was late
+  std::uint64_t rejected = 0;     // samples that did not decode, or belonged to nobody
+  std::uint64_t workers_lost = 0;
+  std::size_t workers_alive = 0;
+};
+
+class Evaluator {
+ public:
+  Evaluator() = default;
+  Evaluator(const Evaluator&) = delete;
+  Evaluator& operator=(const Evaluator&) = delete;
+  virtual ~Evaluator() = default;
+
+  // One tally per tree, in the order of the trees. REQUIRES: every tree passed check_tree() for the chain.
+  // Errors: interrupted (the stop flag was raised); failed (no worker within the limit); bad_input (the job does
+  // not fit the chain).
+  virtual Result<std::vector<Tally>> evaluate(std::span<const Tree> trees, const Job& job) = 0;
+
+  virtual DispatchStatistics statistics() const = 0;
+};
+
+}  // namespace coppice

@@ -1,0 +1,63 @@
+// Learning a tabular policy and counting its chain in one pass (thesis VI-E.1 and VI-E.2, Algorithm 2).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "common/chain/chain.hpp"
+#include "common/error.hpp"
+#include "coordinator/learning/world.hpp"
+
+namespace coppice {
+
+enum class Algorithm : std::uint8_t { q_learning = 0, sarsa = 1 };
+
+// Exploration over episodes e = 1..E with n_d = E / 100.
+enum class Decay : std::uint8_t {
+  thesis = 0,   // eps0 (n_d + 1) / (n_d + e): fits thesis Figure 8 and its final 0.005
+  printed = 1,  // eps0 (n_d + 1) / (n_d e): thesis Equation (3) as printed
+  linear = 2,   // eps0 (E - e) / (E - 1): thesis 4-1, zero in the last episode
+};
+
+std::string_view name_of(Algorithm algorithm);
+std::string_view name_of(Decay decay);
+Result<Algorithm> algorithm_named(std::string_view name);
+Result<Decay> decay_named(std::string_view name);
+
+struct LearnSettings {
+  Algorithm algorithm = Algorithm::q_learning;
+  std::uint64_t episodes = 1'000'000;
+  std::uint32_t steps = 150;  // per episode
+  double alpha = 0.5;         // learning rate
+  double gamma = 0.8;         // discount factor
+  double epsilon = 0.5;       // exploration in the first episode
+  Decay decay = Decay::thesis;
+  std::uint64_t seed = 1;
+};
+
+// Thesis Table II for a room, Table 4-1 for the windy grid (whose Q-learning and SARSA discount differently).
+LearnSettings default_settings(WorldKind kind, Algorithm algorithm);
+
+// Errors name the flag (--episodes, --alpha, ...), what was found and the range.
+Result<void> check_settings(const LearnSettings& settings);
+
+struct Learned {
+  Chain chain;
+  std::uint64_t steps = 0;       // taken in all
+  double seconds = 0.0;          // of the learning loop alone
+  double last_rewards = 0.0;     // mean reward per episode over the last 1000 episodes (or all, if fewer)
+  double largest_change = 0.0;   // |change of Q| in the last episode, largest (thesis Figures 4-3 and 15)
+  std::uint64_t collisions = 0;  // over all episodes
+  std::uint64_t last_collision_episode = 0;
+};
+
+// Called about every 100 ms at most, between episodes; returns false to stop.
+using LearnProgress = std::function<bool(std::uint64_t episodes_done)>;
+
+// The same world, settings and seed give the same chain, bit for bit. Errors: bad settings; interrupted when
+// `progress` returned false (a half-learned policy is not kept: its counts would pass for a finished study's).
+Result<Learned> learn(const World& world, const LearnSettings& settings, const LearnProgress& progress);
+
+}  // namespace coppice

@@ -1,0 +1,38 @@
+// A controller in the simulator: what thesis Table IV calls "in simulation".
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/chain/chain.hpp"
+#include "common/error.hpp"
+#include "common/tree/tree.hpp"
+#include "coordinator/learning/world.hpp"
+
+namespace coppice {
+
+struct SimulateSettings {
+  std::uint64_t episodes = 500;
+  std::uint32_t steps = 150;  // per episode
+  std::uint64_t seed = 1;
+};
+
+struct EpisodeRecord {
+  double reward = 0.0;
+  std::uint32_t steps = 0;    // taken; fewer than asked for when the episode ended at a goal
+  std::uint32_t matches = 0;  // steps in which the controller's action was the chain's policy
+  std::uint32_t collisions = 0;
+  std::uint32_t unknown = 0;  // steps in a state that the chain does not know: never a match
+};
+
+// Runs the tree, ticked on the true observation each step; with no action the agent holds still for the step (no
+// reward). Every episode has its own stream of random numbers, f(seed, episode), so two controllers meet the same luck
+// as far as their walks agree. REQUIRES: chain's vocabulary is the world's, check_tree(tree, vocabulary).
+std::vector<EpisodeRecord> simulate_tree(const World& world, const Chain& chain, const Tree& tree,
+                                         const SimulateSettings& settings);
+
+// Runs the learned policy itself; in a state that the chain does not know it takes action 0 (what greedy on an
+// empty row of Q gives).
+std::vector<EpisodeRecord> simulate_policy(const World& world, const Chain& chain, const SimulateSettings& settings);
+
+}  // namespace coppice

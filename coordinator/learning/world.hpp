@@ -1,0 +1,30 @@
+// A world that an agent learns in, as data: which one and, for rooms, the map. A study keeps it, so that a tree
+// can be tried in the simulator long after the policy was learned. The simulators themselves are uav_room.hpp
+// and windy_grid.hpp; learn.hpp and simulate.hpp are what the rest of the coordinator calls.
+#pragma once
+
+#include <string>
+
+#include "common/error.hpp"
+#include "common/tree/vocabulary.hpp"
+
+namespace coppice {
+
+enum class WorldKind : std::uint8_t { uav = 0, windy = 1 };
+
+struct World {
+  WorldKind kind = WorldKind::uav;
+  std::string room;  // uav: the map as text (see uav_room.hpp); windy: empty
+  bool operator==(const World&) const = default;
+};
+
+// "uav" (the default room), "windy", or the path of a .room file. Errors name file, line and column.
+Result<World> load_world(const std::string& name_or_path);
+
+// As load_world() for what a study holds: kind by name ("uav" or "windy") and room text.
+Result<World> make_world(const std::string& kind, const std::string& room);
+
+std::string name_of(WorldKind kind);
+Vocabulary vocabulary_of(const World& world);
+
+}  // namespace coppice
