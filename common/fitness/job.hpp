@@ -18,7 +18,7 @@ Result<Acting> acting_named(std::string_view name);
 
 inline constexpr std::uint32_t kMaxRollouts = 1U << 20U;
 inline constexpr std::uint32_t kMaxSteps = 1U << 20U;
-inline constexpr std::uint64_t kMaxWalkedSteps = 1ULL << 26U;  // rollouts x steps: the draws are kept in memory
+inline constexpr std::uint64_t kMaxWalkedSteps = 1ULL << 24U;  // rollouts x steps: their draws are kept in memory
 inline constexpr std::size_t kMaxObjectives = 16;
 
 struct Job {

@@ -11,7 +11,7 @@
 
 #include "common/chain/chain.hpp"
 #include "common/error.hpp"
-#include "common/tree/node.hpp"
+#include "common/tree/tree.hpp"
 
 namespace coppice {
 

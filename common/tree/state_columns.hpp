@@ -31,6 +31,12 @@ class StateColumns {
   static constexpr std::size_t kBlockWords = 8;
 
  private:
+  static constexpr std::size_t kOps = 2;
+  static constexpr std::size_t kValues = 256;
+  static std::size_t slot_of(std::size_t feature, Op op, std::uint8_t value) {
+    return (feature * kOps + static_cast<std::size_t>(op)) * kValues + value;
+  }
+
   std::size_t states_ = 0;
   std::size_t words_ = 0;
   std::vector<std::uint64_t> bits_;       // column 0 is all()

@@ -36,7 +36,7 @@ class Tree {
   std::span<const Node> subtree(std::size_t i) const;
 
   // The same tree with the subtree at node i replaced. REQUIRES: i < size(), replacement is a well-formed
-  // subtree, and the result keeps the limits.
+  // subtree, or empty where i has a sibling, and the result keeps the limits.
   Tree with_subtree(std::size_t i, std::span<const Node> replacement) const;
 
   bool operator==(const Tree&) const = default;

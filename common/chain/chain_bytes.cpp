@@ -1,0 +1,149 @@
+#include "common/chain/chain_bytes.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include "common/chain/bytes.hpp"
+
+namespace coppice {
+namespace {
+
+constexpr std::array<char, 4> kMagic = {'C', 'P', 'C', 'H'};
+constexpr std::uint32_t kFormat = 1;
+constexpr std::uint8_t kAdmitsEqual = 1;
+constexpr std::uint8_t kAdmitsLessEqual = 2;
+
+void put_vocabulary(const Vocabulary& vocabulary, ByteWriter& writer) {
+  writer.put(static_cast<std::uint16_t>(vocabulary.features.size()));
+  for (const Feature& feature : vocabulary.features) {
+    writer.put_text(feature.name);
+    writer.put(static_cast<std::uint8_t>((feature.admits_equal ? kAdmitsEqual : 0) |
+                                         (feature.admits_less_equal ? kAdmitsLessEqual : 0)));
+    writer.put(static_cast<std::uint16_t>(feature.values.size()));
+    writer.put_all(feature.values);
+  }
+  writer.put(static_cast<std::uint16_t>(vocabulary.actions.size()));
+  for (const std::string& action : vocabulary.actions) {
+    writer.put_text(action);
+  }
+}
+
+Result<Vocabulary> get_vocabulary(ByteReader& reader) {
+  Vocabulary vocabulary;
+  const auto features = reader.get<std::uint16_t>();
+  if (features > kMaxFeatures) {
+    return bad_input(fmt::format("chain has {} features: expected at most {}", features, kMaxFeatures));
+  }
+  for (std::uint16_t i = 0; i < features; ++i) {
+    Feature feature;
+    feature.name = reader.get_text();
+    const auto operators = reader.get<std::uint8_t>();
+    feature.admits_equal = (operators & kAdmitsEqual) != 0;
+    feature.admits_less_equal = (operators & kAdmitsLessEqual) != 0;
+    feature.values = reader.get_all<std::uint8_t>(reader.get<std::uint16_t>());
+    vocabulary.features.push_back(std::move(feature));
+  }
+  const auto actions = reader.get<std::uint16_t>();
+  if (actions > kMaxActions) {
+    return bad_input(fmt::format("chain has {} actions: expected at most {}", actions, kMaxActions));
+  }
+  for (std::uint16_t i = 0; i < actions; ++i) {
+    vocabulary.actions.push_back(reader.get_text());
+  }
+  return vocabulary;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> to_bytes(const Chain& chain) {
+  const ChainParts& parts = chain.parts();
+  ByteWriter writer;
+  writer.reserve(4096 + parts.features.size() + parts.row_begin.size() * 8 + parts.successor.size() * 8 +
+                 parts.q.size() * 16 + parts.visits.size() * 9);
+  writer.put(kMagic);
+  writer.put(kFormat);
+  put_vocabulary(parts.vocabulary, writer);
+  writer.put(static_cast<std::uint64_t>(chain.states()));
+  writer.put(static_cast<std::uint64_t>(chain.transitions()));
+  writer.put(parts.initial_state);
+  writer.put_all(parts.features);
+  writer.put_all(parts.row_begin);
+  writer.put_all(parts.successor);
+  writer.put_all(parts.count);
+  writer.put_all(parts.reward_sum);
+  writer.put_all(parts.q);
+  writer.put_all(parts.policy);
+  writer.put_all(parts.visits);
+  return writer.take();
+}
+
+Result<Chain> chain_from_bytes(std::span<const std::uint8_t> bytes) {
+  ByteReader reader(bytes);
+  if (reader.get<std::array<char, 4>>() != kMagic) {
+    return bad_input("not a chain: expected it to begin with 'CPCH'");
+  }
+  if (const auto format = reader.get<std::uint32_t>(); format != kFormat) {
+    return bad_input(fmt::format("chain has format {}: expected {}", format, kFormat));
+  }
+  auto vocabulary = get_vocabulary(reader);
+  if (!vocabulary) {
+    return tl::unexpected(vocabulary.error());
+  }
+  ChainParts parts;
+  parts.vocabulary = std::move(*vocabulary);
+  const auto states = reader.get<std::uint64_t>();
+  const auto transitions = reader.get<std::uint64_t>();
+  parts.initial_state = reader.get<std::uint32_t>();
+  if (states > kMaxStates || transitions > kMaxTransitions) {
+    return bad_input(fmt::format("chain has {} states and {} transitions: expected at most {} and {}", states,
+                                 transitions, kMaxStates, kMaxTransitions));
+  }
+  const std::size_t rows = states * parts.vocabulary.actions.size();
+  parts.features = reader.get_all<std::uint8_t>(states * parts.vocabulary.features.size());
+  parts.row_begin = reader.get_all<std::uint64_t>(rows + 1);
+  parts.successor = reader.get_all<std::uint32_t>(transitions);
+  parts.count = reader.get_all<std::uint32_t>(transitions);
+  parts.reward_sum = reader.get_all<double>(rows);
+  parts.q = reader.get_all<double>(rows);
+  parts.policy = reader.get_all<ActionId>(states);
+  parts.visits = reader.get_all<std::uint64_t>(states);
+  if (!reader.ok()) {
+    return bad_input(fmt::format("chain is cut short: {} bytes do not hold {} states and {} transitions", bytes.size(),
+                                 states, transitions));
+  }
+  if (reader.left() != 0) {
+    return bad_input(fmt::format("chain is followed by {} foreign bytes", reader.left()));
+  }
+  return Chain::make(std::move(parts));
+}
+
+std::string ChainHash::hex() const { return fmt::format("{:02x}", fmt::join(bytes, "")); }
+
+ChainHash hash_of(std::span<const std::uint8_t> bytes) {
+  XXH128_canonical_t canonical;
+  XXH128_canonicalFromHash(&canonical, XXH3_128bits(bytes.data(), bytes.size()));
+  ChainHash hash;
+  std::copy(std::begin(canonical.digest), std::end(canonical.digest), hash.bytes.begin());
+  return hash;
+}
+
+Result<ChainHash> chain_hash_from_hex(std::string_view hex) {
+  const auto digit = [](char c) -> int {
+    if (c >= '0' && c <= '9') {
+      return c - '0';
+    }
+    return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+  };
+  ChainHash hash;
+  if (hex.size() != 2 * hash.bytes.size() ||
+      std::any_of(hex.begin(), hex.end(), [&](char c) { return digit(c) < 0; })) {
+    return bad_input("a chain hash is 32 hexadecimal digits");
+  }
+  for (std::size_t i = 0; i < hash.bytes.size(); ++i) {
+    hash.bytes[i] = static_cast<std::uint8_t>(digit(hex[2 * i]) * 16 + digit(hex[2 * i + 1]));
+  }
+  return hash;
+}
+
+}  // namespace coppice

@@ -1,0 +1,179 @@
+#include "common/fitness/objective.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "common/check.hpp"
+
+namespace coppice {
+namespace {
+
+constexpr std::array<std::string_view, kObjectiveKinds> kNames = {"agreement", "q_value", "shaped",
+                                                                  "coverage",  "visits",  "return"};
+
+bool holds(const Node& condition, std::span<const std::uint8_t> features) {
+  const std::uint8_t value = features[condition.index];
+  return condition.op == Op::equal ? value == condition.value : value <= condition.value;
+}
+
+Result<void> check_rules(const Chain& chain, const std::vector<ShapedRule>& rules) {
+  if (rules.empty() || rules.size() > kMaxShapedRules) {
+    return bad_input(fmt::format("objective 'shaped' has {} rules: expected 1 to {}", rules.size(), kMaxShapedRules));
+  }
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    if (rules[i].any_of.size() > kMaxShapedConditions) {
+      return bad_input(fmt::format("objective 'shaped': rule {} has {} conditions: expected at most {}", i + 1,
+                                   rules[i].any_of.size(), kMaxShapedConditions));
+    }
+    for (const Node& condition : rules[i].any_of) {
+      auto leaf = Tree::from_nodes({condition});
+      if (!leaf || condition.kind != NodeKind::condition) {
+        return bad_input(fmt::format("objective 'shaped': rule {} holds a node that is not a condition", i + 1));
+      }
+      if (auto ok = check_tree(*leaf, chain.vocabulary()); !ok) {
+        return in_context(fmt::format("objective 'shaped': rule {}", i + 1), ok.error());
+      }
+    }
+  }
+  return {};
+}
+
+// Rounded to the nearest, ties away from zero: the same on every machine.
+Result<std::int64_t> fixed_point(double value, std::string_view objective, std::size_t row) {
+  if (!(std::abs(value) <= kMaxScoredValue)) {
+    return bad_input(fmt::format("objective '{}': row {} has value {}: expected within +-{}", objective, row, value,
+                                 kMaxScoredValue));
+  }
+  return std::llround(value * kScoreOne);
+}
+
+class TableMaker {
+ public:
+  TableMaker(const Chain& chain, const Objective& objective) : chain_(chain), objective_(objective) {
+    table_.scores.assign(chain.states() * (chain.actions() + 1), 0);
+  }
+
+  Result<ScoreTable> make() {
+    switch (objective_.kind) {
+      case ObjectiveKind::agreement:
+      case ObjectiveKind::coverage:
+        for (std::size_t s = 0; s < chain_.states(); ++s) {
+          at(s, index_of(chain_.policy(s))) = 1;
+        }
+        break;
+      case ObjectiveKind::visits:
+        for (std::size_t s = 0; s < chain_.states(); ++s) {
+          at(s, index_of(chain_.policy(s))) = static_cast<std::int64_t>(chain_.parts().visits[s]);
+        }
+        break;
+      case ObjectiveKind::shaped:
+        if (auto ok = fill_shaped(); !ok) {
+          return tl::unexpected(ok.error());
+        }
+        break;
+      case ObjectiveKind::q_value:
+      case ObjectiveKind::expected_return:
+        if (auto ok = fill_values(); !ok) {
+          return tl::unexpected(ok.error());
+        }
+        break;
+    }
+    find_best();
+    return std::move(table_);
+  }
+
+ private:
+  std::int64_t& at(std::size_t state, std::size_t action) {
+    return table_.scores[state * (chain_.actions() + 1) + action];
+  }
+
+  Result<void> fill_shaped() {
+    if (auto ok = check_rules(chain_, objective_.rules); !ok) {
+      return ok;
+    }
+    for (std::size_t s = 0; s < chain_.states(); ++s) {
+      const auto features = chain_.features_of(s);
+      const auto rule =
+          std::find_if(objective_.rules.begin(), objective_.rules.end(), [&](const ShapedRule& candidate) {
+            return candidate.any_of.empty() ||
+                   std::any_of(candidate.any_of.begin(), candidate.any_of.end(),
+                               [&](const Node& condition) { return holds(condition, features); });
+          });
+      if (rule == objective_.rules.end()) {
+        continue;
+      }
+      for (std::size_t a = 0; a <= chain_.actions(); ++a) {
+        at(s, a) = a == index_of(chain_.policy(s)) ? rule->right : rule->wrong;
+      }
+    }
+    return {};
+  }
+
+  Result<void> fill_values() {
+    table_.unit = kScoreOne;
+    for (std::size_t s = 0; s < chain_.states(); ++s) {
+      for (std::size_t a = 0; a < chain_.actions(); ++a) {
+        const std::size_t row = s * chain_.actions() + a;
+        const double value =
+            objective_.kind == ObjectiveKind::q_value ? chain_.parts().q[row] : chain_.mean_reward(row);
+        const auto score = fixed_point(value, name_of(objective_.kind), row);
+        if (!score) {
+          return tl::unexpected(score.error());
+        }
+        at(s, a) = *score;
+      }
+    }
+    return {};
+  }
+
+  void find_best() {
+    const std::size_t stride = chain_.actions() + 1;
+    std::int64_t best = 0;
+    for (std::size_t s = 0; s < chain_.states(); ++s) {
+      const auto begin = table_.scores.begin() + static_cast<std::ptrdiff_t>(s * stride);
+      const std::int64_t best_here = *std::max_element(begin, begin + static_cast<std::ptrdiff_t>(stride));
+      best = along_walk(objective_.kind) ? std::max(best, best_here) : best + best_here;
+    }
+    table_.best_per_step = std::max<std::int64_t>(best, 1);
+  }
+
+  const Chain& chain_;
+  const Objective& objective_;
+  ScoreTable table_;
+};
+
+}  // namespace
+
+std::string_view name_of(ObjectiveKind kind) { return kNames.at(static_cast<std::size_t>(kind)); }
+
+Result<ObjectiveKind> objective_named(std::string_view name) {
+  const auto found = std::find(kNames.begin(), kNames.end(), name);
+  if (found == kNames.end()) {
+    return bad_input(fmt::format("no objective '{}': expected one of {}", name, fmt::join(kNames, ", ")));
+  }
+  return static_cast<ObjectiveKind>(found - kNames.begin());
+}
+
+Result<std::vector<ShapedRule>> thesis_rules(const Vocabulary& vocabulary) {
+  constexpr std::uint8_t kWall = 0;
+  constexpr std::uint8_t kTrash = 3;
+  const auto ahead = vocabulary.find_feature("s3");
+  const auto ahead_right = vocabulary.find_feature("s4");
+  const auto right = vocabulary.find_feature("s5");
+  if (!ahead || !ahead_right || !right) {
+    return bad_input(
+        "objective 'shaped' without rules needs features s3, s4 and s5, which this chain lacks: give rules");
+  }
+  const auto is = [](std::size_t feature, std::uint8_t value) { return Node::condition(feature, Op::equal, value); };
+  return std::vector<ShapedRule>{{{is(*ahead, kTrash), is(*ahead_right, kTrash), is(*right, kTrash)}, 8, -4},
+                                 {{is(*ahead, kWall)}, 1, -2},
+                                 {{}, 1, 0}};
+}
+
+Result<ScoreTable> make_score_table(const Chain& chain, const Objective& objective) {
+  return TableMaker(chain, objective).make();
+}
+
+}  // namespace coppice

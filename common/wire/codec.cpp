@@ -1,0 +1,242 @@
+#include "common/wire/codec.hpp"
+
+#include <fmt/format.h>
+
+#include "common/check.hpp"
+
+namespace coppice::wire {
+namespace {
+
+constexpr std::uint8_t kKindMask = 3;
+constexpr unsigned kOpShift = 2;
+
+void put_node(const Node& node, ByteWriter& writer) {
+  writer.put(static_cast<std::uint8_t>(static_cast<unsigned>(node.kind) | static_cast<unsigned>(node.op) << kOpShift));
+  switch (node.kind) {
+    case NodeKind::sequence:
+    case NodeKind::selector:
+      writer.put(node.extent);
+      break;
+    case NodeKind::condition:
+      writer.put(node.index);
+      writer.put(node.value);
+      break;
+    case NodeKind::action:
+      writer.put(node.index);
+      break;
+  }
+}
+
+Result<Node> get_node(ByteReader& reader) {
+  const auto tag = reader.get<std::uint8_t>();
+  const auto kind = static_cast<NodeKind>(tag & kKindMask);
+  const unsigned op = tag >> kOpShift;
+  if (op > 1 || (op == 1 && kind != NodeKind::condition)) {
+    return bad_input(fmt::format("node tag {} is unknown", tag));
+  }
+  switch (kind) {
+    case NodeKind::sequence:
+    case NodeKind::selector:
+      return Node::composite(kind, reader.get<std::uint16_t>());
+    case NodeKind::condition: {
+      const auto feature = reader.get<std::uint8_t>();
+      return Node::condition(feature, static_cast<Op>(op), reader.get<std::uint8_t>());
+    }
+    case NodeKind::action:
+      break;
+  }
+  return Node::action(ActionId{reader.get<std::uint8_t>()});
+}
+
+void put_job(const Job& job, ByteWriter& writer) {
+  writer.put(job.seed);
+  writer.put(job.generation);
+  writer.put(job.rollouts);
+  writer.put(job.steps);
+  writer.put(job.acting);
+  writer.put(job.policy_share);
+  writer.put(static_cast<std::uint8_t>(job.objectives.size()));
+  for (const Objective& objective : job.objectives) {
+    writer.put(objective.kind);
+    writer.put(static_cast<std::uint8_t>(objective.rules.size()));
+    for (const ShapedRule& rule : objective.rules) {
+      writer.put(rule.right);
+      writer.put(rule.wrong);
+      writer.put(static_cast<std::uint8_t>(rule.any_of.size()));
+      for (const Node& condition : rule.any_of) {
+        put_node(condition, writer);
+      }
+    }
+  }
+}
+
+Result<std::vector<ShapedRule>> get_rules(ByteReader& reader) {
+  const auto count = reader.get<std::uint8_t>();
+  if (count > kMaxShapedRules) {
+    return bad_input(fmt::format("objective has {} rules: expected at most {}", count, kMaxShapedRules));
+  }
+  std::vector<ShapedRule> rules;
+  for (std::uint8_t i = 0; i < count; ++i) {
+    ShapedRule rule;
+    rule.right = reader.get<std::int32_t>();
+    rule.wrong = reader.get<std::int32_t>();
+    const auto conditions = reader.get<std::uint8_t>();
+    if (conditions > kMaxShapedConditions) {
+      return bad_input(fmt::format("rule has {} conditions: expected at most {}", conditions, kMaxShapedConditions));
+    }
+    for (std::uint8_t j = 0; j < conditions; ++j) {
+      const auto node = get_node(reader);
+      if (!node) {
+        return tl::unexpected(node.error());
+      }
+      rule.any_of.push_back(*node);
+    }
+    rules.push_back(std::move(rule));
+  }
+  return rules;
+}
+
+Result<Job> get_job(ByteReader& reader) {
+  Job job;
+  job.seed = reader.get<std::uint64_t>();
+  job.generation = reader.get<std::uint32_t>();
+  job.rollouts = reader.get<std::uint32_t>();
+  job.steps = reader.get<std::uint32_t>();
+  const auto acting = reader.get<std::uint8_t>();
+  job.policy_share = reader.get<std::uint64_t>();
+  const auto objectives = reader.get<std::uint8_t>();
+  if (acting > static_cast<std::uint8_t>(Acting::mixed)) {
+    return bad_input(fmt::format("acting policy {} is unknown", acting));
+  }
+  job.acting = static_cast<Acting>(acting);
+  if (objectives > kMaxObjectives) {
+    return bad_input(fmt::format("job has {} objectives: expected at most {}", objectives, kMaxObjectives));
+  }
+  job.objectives.clear();
+  for (std::uint8_t i = 0; i < objectives; ++i) {
+    const auto kind = reader.get<std::uint8_t>();
+    if (kind >= kObjectiveKinds) {
+      return bad_input(fmt::format("objective {} is unknown", kind));
+    }
+    auto rules = get_rules(reader);
+    if (!rules) {
+      return tl::unexpected(rules.error());
+    }
+    job.objectives.push_back({static_cast<ObjectiveKind>(kind), std::move(*rules)});
+  }
+  if (!reader.ok()) {
+    return bad_input("job is cut short");
+  }
+  if (auto ok = check_job(job); !ok) {
+    return tl::unexpected(ok.error());
+  }
+  return job;
+}
+
+Result<Tree> get_tree(ByteReader& reader, const Vocabulary& vocabulary) {
+  const auto count = reader.get<std::uint16_t>();
+  if (count > kMaxTreeNodes) {
+    return bad_input(fmt::format("tree has {} nodes: expected at most {}", count, kMaxTreeNodes));
+  }
+  std::vector<Node> nodes;
+  nodes.reserve(std::min<std::size_t>(count, reader.left()));
+  for (std::uint16_t i = 0; i < count && reader.ok(); ++i) {
+    const auto node = get_node(reader);
+    if (!node) {
+      return tl::unexpected(node.error());
+    }
+    nodes.push_back(*node);
+  }
+  if (!reader.ok()) {
+    return bad_input("tree is cut short");
+  }
+  auto tree = Tree::from_nodes(std::move(nodes));
+  if (!tree) {
+    return tree;
+  }
+  if (auto ok = check_tree(*tree, vocabulary); !ok) {
+    return tl::unexpected(ok.error());
+  }
+  return tree;
+}
+
+}  // namespace
+
+std::size_t encoded_size(const Tree& tree) {
+  std::size_t size = sizeof(std::uint16_t);
+  for (const Node& node : tree.nodes()) {
+    size += node.kind == NodeKind::action ? 2 : 3;
+  }
+  return size;
+}
+
+std::vector<std::uint8_t> encode_task(const Job& job, std::span<const Tree> trees) {
+  COPPICE_CHECK(trees.size() <= kMaxTreesPerTask);
+  ByteWriter writer;
+  put_job(job, writer);
+  writer.put(static_cast<std::uint32_t>(trees.size()));
+  for (const Tree& tree : trees) {
+    writer.put(static_cast<std::uint16_t>(tree.size()));
+    for (const Node& node : tree.nodes()) {
+      put_node(node, writer);
+    }
+  }
+  return writer.take();
+}
+
+Result<DecodedTask> decode_task(std::span<const std::uint8_t> payload, const Vocabulary& vocabulary) {
+  ByteReader reader(payload);
+  auto job = get_job(reader);
+  if (!job) {
+    return tl::unexpected(job.error());
+  }
+  const auto count = reader.get<std::uint32_t>();
+  if (count > kMaxTreesPerTask) {
+    return bad_input(fmt::format("task has {} trees: expected at most {}", count, kMaxTreesPerTask));
+  }
+  DecodedTask task{std::move(*job), {}};
+  for (std::uint32_t i = 0; i < count; ++i) {
+    auto tree = get_tree(reader, vocabulary);
+    if (!tree) {
+      return in_context(fmt::format("tree {}", i), tree.error());
+    }
+    task.trees.push_back(std::move(*tree));
+  }
+  if (!reader.ok() || reader.left() != 0) {
+    return bad_input(reader.ok() ? fmt::format("{} bytes follow the task", reader.left()) : "task is cut short");
+  }
+  return task;
+}
+
+std::vector<std::uint8_t> encode_tallies(std::span<const Tally> tallies) {
+  ByteWriter writer;
+  writer.put(static_cast<std::uint32_t>(tallies.size()));
+  for (const Tally& tally : tallies) {
+    writer.put(tally.nodes);
+    writer.put(tally.matches);
+    writer.put(tally.steps);
+    writer.put_all(tally.scores);
+  }
+  return writer.take();
+}
+
+Result<std::vector<Tally>> decode_tallies(std::span<const std::uint8_t> payload, std::size_t trees,
+                                          std::size_t objectives) {
+  ByteReader reader(payload);
+  const auto count = reader.get<std::uint32_t>();
+  const std::size_t each = sizeof(std::uint32_t) + (2 + objectives) * sizeof(std::uint64_t);
+  if (!reader.ok() || count != trees || reader.left() != trees * each) {
+    return bad_input(fmt::format("answer of {} bytes says {} tallies: expected {} of {} bytes each", payload.size(),
+                                 count, trees, each));
+  }
+  std::vector<Tally> tallies(trees);
+  for (Tally& tally : tallies) {
+    tally.nodes = reader.get<std::uint32_t>();
+    tally.matches = reader.get<std::uint64_t>();
+    tally.steps = reader.get<std::uint64_t>();
+    tally.scores = reader.get_all<std::int64_t>(objectives);
+  }
+  return tallies;
+}
+
+}  // namespace coppice::wire

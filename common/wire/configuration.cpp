@@ -1,0 +1,125 @@
+#include "common/wire/configuration.hpp"
+
+#include <algorithm>
+#include <arpa/inet.h>
+#include <cstring>
+#include <fmt/format.h>
+#include <ifaddrs.h>
+#include <memory>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+#include <vector>
+
+namespace coppice::wire {
+namespace {
+
+// Participant lease: long, because short leases on an overloaded machine make libddsc 0.10 drop healthy peers;
+// the worker's own liveliness (topics.cpp) is what notices a death quickly.
+constexpr const char* kDiscovery = "<SPDPInterval>1s</SPDPInterval><LeaseDuration>10s</LeaseDuration>";
+
+std::string address_text(const in_addr& address) {
+  char text[INET_ADDRSTRLEN] = {};
+  inet_ntop(AF_INET, &address, text, sizeof text);
+  return text;
+}
+
+bool is_address(const std::string& text) {
+  in_addr address{};
+  return inet_pton(AF_INET, text.c_str(), &address) == 1;
+}
+
+std::string interface_element(const std::string& interface) {
+  return fmt::format("<Interfaces><NetworkInterface {}=\"{}\"/></Interfaces>",
+                     is_address(interface) ? "address" : "name", interface);
+}
+
+Result<in_addr> resolve(const std::string& host) {
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  hints.ai_socktype = SOCK_DGRAM;
+  addrinfo* found = nullptr;
+  if (const int error = getaddrinfo(host.c_str(), nullptr, &hints, &found); error != 0) {
+    return bad_input(
+        fmt::format("coordinator '{}' does not resolve to an IPv4 address: {}", host, gai_strerror(error)));
+  }
+  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> owner(found, &freeaddrinfo);
+  sockaddr_in address{};
+  std::memcpy(&address, found->ai_addr, sizeof address);
+  return address.sin_addr;
+}
+
+// The local address that the machine's routes choose towards `peer`; no packet is sent.
+Result<in_addr> local_address_towards(const in_addr& peer) {
+  const int socket_fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (socket_fd < 0) {
+    return failed("cannot open a UDP socket");
+  }
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(static_cast<std::uint16_t>(coordinator_port(0)));
+  to.sin_addr = peer;
+  sockaddr_in from{};
+  socklen_t length = sizeof from;
+  const bool reached = connect(socket_fd, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0 &&
+                       getsockname(socket_fd, reinterpret_cast<sockaddr*>(&from), &length) == 0;
+  close(socket_fd);
+  if (!reached) {
+    return failed(fmt::format("no route to the coordinator at {}", address_text(peer)));
+  }
+  return from.sin_addr;
+}
+
+}  // namespace
+
+std::string coordinator_configuration(const std::string& interface) {
+  // Linger 0: deleting the writer of a dead worker must not block the coordinator for a second.
+  return fmt::format(
+      "<CycloneDDS><Domain Id=\"any\"><General>{}<AllowMulticast>false</AllowMulticast></General>"
+      "<Discovery><ParticipantIndex>0</ParticipantIndex><MaxAutoParticipantIndex>0</MaxAutoParticipantIndex>{}</"
+      "Discovery>"
+      "<Internal><WriterLingerDuration>0s</WriterLingerDuration></Internal></Domain></CycloneDDS>",
+      interface_element(interface), kDiscovery);
+}
+
+Result<std::string> worker_configuration(const std::string& coordinator_host, std::uint32_t domain) {
+  const auto peer = resolve(coordinator_host);
+  if (!peer) {
+    return tl::unexpected(peer.error());
+  }
+  const auto local = local_address_towards(*peer);
+  if (!local) {
+    return tl::unexpected(local.error());
+  }
+  return fmt::format(
+      "<CycloneDDS><Domain Id=\"any\"><General>{}<AllowMulticast>false</AllowMulticast></General>"
+      "<Discovery><ParticipantIndex>none</ParticipantIndex>{}<Peers><Peer Address=\"{}:{}\"/></Peers></Discovery>"
+      "</Domain></CycloneDDS>",
+      interface_element(address_text(*local)), kDiscovery, address_text(*peer), coordinator_port(domain));
+}
+
+Result<void> check_interface(const std::string& interface) {
+  ifaddrs* list = nullptr;
+  if (getifaddrs(&list) != 0) {
+    return failed("cannot list this machine's network interfaces");
+  }
+  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(list, &freeifaddrs);
+  std::vector<std::string> known;
+  for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
+    if (entry->ifa_addr == nullptr || entry->ifa_addr->sa_family != AF_INET) {
+      continue;
+    }
+    sockaddr_in address{};
+    std::memcpy(&address, entry->ifa_addr, sizeof address);
+    const std::string text = address_text(address.sin_addr);
+    if (interface == entry->ifa_name || interface == text) {
+      return {};
+    }
+    known.push_back(fmt::format("{} ({})", entry->ifa_name, text));
+  }
+  return bad_input(
+      fmt::format("no network interface '{}' on this machine: expected one of {}", interface, fmt::join(known, ", ")));
+}
+
+}  // namespace coppice::wire

@@ -1,0 +1,87 @@
+#include "common/wire/participant.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <dds/ddsrt/log.h>
+#include <fmt/format.h>
+#include <mutex>
+#include <string>
+
+namespace coppice::wire {
+namespace {
+
+// libddsc calls the sink from any of its threads.
+struct DdsLog {
+  std::mutex mutex;
+  void (*sink)(const char*) = nullptr;
+  std::chrono::steady_clock::time_point second;
+  int lines_in_second = 0;
+  std::string joining;  // while join() runs: what was said, for its error
+  bool is_joining = false;
+};
+
+DdsLog& dds_log() {
+  static DdsLog log;
+  return log;
+}
+
+void take_line(void*, const dds_log_data_t* data) {
+  DdsLog& log = dds_log();
+  const std::lock_guard lock(log.mutex);
+  std::string line(data->message, data->size);
+  while (!line.empty() && (line.back() == '\n' || line.back() == ' ')) {
+    line.pop_back();
+  }
+  if (log.is_joining) {
+    log.joining += (log.joining.empty() ? "" : "; ") + line;
+    return;
+  }
+  const auto now = std::chrono::steady_clock::now();
+  if (now - log.second > std::chrono::seconds(1)) {
+    log.second = now;
+    log.lines_in_second = 0;
+  }
+  if (log.sink != nullptr && ++log.lines_in_second <= kMaxDdsLinesPerSecond) {
+    log.sink(line.c_str());
+  }
+}
+
+std::string set_joining(bool joining) {
+  DdsLog& log = dds_log();
+  const std::lock_guard lock(log.mutex);
+  log.is_joining = joining;
+  return std::exchange(log.joining, {});
+}
+
+}  // namespace
+
+void route_dds_log(void (*sink)(const char* line)) {
+  {
+    const std::lock_guard lock(dds_log().mutex);
+    dds_log().sink = sink;
+  }
+  dds_set_log_sink(&take_line, nullptr);
+  dds_set_trace_sink(&take_line, nullptr);
+}
+
+Result<Participant> Participant::join(std::uint32_t domain, const std::string& configuration) {
+  set_joining(true);
+  Entity owned_domain;
+  if (std::getenv("CYCLONEDDS_URI") == nullptr) {
+    auto created = Entity::own(dds_create_domain(domain, configuration.c_str()), fmt::format("domain {}", domain));
+    if (!created) {
+      return in_context(set_joining(false), created.error());
+    }
+    owned_domain = std::move(*created);
+  }
+  auto participant =
+      Entity::own(dds_create_participant(domain, nullptr, nullptr), fmt::format("participant in domain {}", domain));
+  const std::string said = set_joining(false);
+  if (!participant) {
+    return said.empty() ? tl::unexpected(participant.error()) : in_context(said, participant.error());
+  }
+  return Participant(std::move(owned_domain), std::move(*participant));
+}
+
+}  // namespace coppice::wire

@@ -1,0 +1,34 @@
+// The subcommands of `coppice`, one file each. add_x() declares the flags of one; parsing a command line that names it
+// sets Invocation::chosen, which main() then calls once.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+
+#include "common/error.hpp"
+#include "common/stop.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace coppice {
+
+struct Invocation {
+  const StopFlag& stop;
+  std::filesystem::path worker_program;  // started by --workers
+  std::function<Result<void>()> chosen;
+};
+
+// REQUIRES: `invocation` outlives `app`.
+void add_learn(CLI::App& app, Invocation& invocation);
+void add_evolve(CLI::App& app, Invocation& invocation);
+void add_evaluate(CLI::App& app, Invocation& invocation);
+void add_score(CLI::App& app, Invocation& invocation);
+void add_table(CLI::App& app, Invocation& invocation);
+void add_prune(CLI::App& app, Invocation& invocation);
+void add_draw(CLI::App& app, Invocation& invocation);
+void add_info(CLI::App& app, Invocation& invocation);
+void add_run(CLI::App& app, Invocation& invocation);
+
+}  // namespace coppice

@@ -1,0 +1,85 @@
+#include "coordinator/commands/evaluator_option.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <fmt/format.h>
+#include <thread>
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kMostLocalWorkers = 1024;
+constexpr std::uint32_t kHighestDomain = 230;  // of DDS; above it the ports of RTPS run out
+constexpr std::uint32_t kLongestWait = 7 * 24 * 3600;
+
+}  // namespace
+
+void add_evaluator_option(CLI::App& command, EvaluatorOption& option) {
+  CLI::Option* workers =
+      command.add_option("--workers", option.workers, "Start N worker processes on this machine (default: one a core)");
+  workers->type_name("N");
+  CLI::Option* serial = command.add_flag("--serial", option.serial, "Evaluate in this process");
+  CLI::Option* remote = command.add_flag("--remote", option.remote,
+                                         "Use workers that were started by hand, here or on other hosts "
+                                         "(coppice-worker --coordinator HOST); waits until one is there");
+  workers->excludes(serial)->excludes(remote);
+  serial->excludes(remote);
+  command.add_option("--interface", option.interface, "Network interface or address for --remote")
+      ->type_name("NAME")
+      ->needs(remote);
+  command.add_option("--domain", option.domain, "DDS domain for --remote; workers need the same")
+      ->type_name("D")
+      ->needs(remote);
+  command.add_option("--wait", option.wait_seconds, "Give up when there was no worker for so many seconds")
+      ->type_name("SECONDS")
+      ->excludes(serial);
+}
+
+Result<EvaluatorChoice> evaluator_choice(const EvaluatorOption& option, const std::filesystem::path& worker_program) {
+  EvaluatorChoice choice;
+  choice.worker_program = worker_program;
+  if (option.serial) {
+    choice.kind = EvaluatorChoice::Kind::serial;
+  } else if (option.remote) {
+    choice.kind = EvaluatorChoice::Kind::remote;
+  } else {
+    choice.kind = EvaluatorChoice::Kind::local;
+    choice.workers =
+        option.workers.value_or(std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, kMostLocalWorkers));
+    if (choice.workers < 1 || choice.workers > kMostLocalWorkers) {
+      return bad_input(
+          fmt::format("--workers is {}: expected 1 to {}, or --serial", choice.workers, kMostLocalWorkers));
+    }
+  }
+  if (option.interface) {
+    choice.interface = *option.interface;
+  }
+  if (option.domain) {
+    if (*option.domain > kHighestDomain) {
+      return bad_input(fmt::format("--domain is {}: expected 0 to {}", *option.domain, kHighestDomain));
+    }
+    choice.domain = *option.domain;
+  }
+  if (option.wait_seconds) {
+    if (*option.wait_seconds < 1 || *option.wait_seconds > kLongestWait) {
+      return bad_input(fmt::format("--wait is {}: expected 1 to {} seconds", *option.wait_seconds, kLongestWait));
+    }
+    choice.wait_limit = std::chrono::seconds(*option.wait_seconds);
+  }
+  return choice;
+}
+
+std::string in_words(const EvaluatorChoice& choice) {
+  switch (choice.kind) {
+    case EvaluatorChoice::Kind::serial:
+      return "serial";
+    case EvaluatorChoice::Kind::local:
+      return fmt::format("{} local worker{}", choice.workers, choice.workers == 1 ? "" : "s");
+    case EvaluatorChoice::Kind::remote:
+      break;
+  }
+  return "remote workers";
+}
+
+}  // namespace coppice

@@ -1,0 +1,35 @@
+// --workers N | --serial | --remote, and where remote workers find us: who evaluates the trees of a command.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "coordinator/dispatch/open_evaluator.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace coppice {
+
+struct EvaluatorOption {
+  std::optional<std::size_t> workers;
+  bool serial = false;
+  bool remote = false;
+  std::optional<std::string> interface;
+  std::optional<std::uint32_t> domain;
+  std::optional<std::uint32_t> wait_seconds;
+};
+
+void add_evaluator_option(CLI::App& command, EvaluatorOption& option);
+
+// What open_evaluator() takes. Errors name the flag.
+Result<EvaluatorChoice> evaluator_choice(const EvaluatorOption& option, const std::filesystem::path& worker_program);
+
+// "serial", "2 local workers", "remote workers": kept with a run.
+std::string in_words(const EvaluatorChoice& choice);
+
+}  // namespace coppice

@@ -1,0 +1,104 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <fmt/format.h>
+#include <memory>
+#include <optional>
+
+#include "coordinator/commands/commands.hpp"
+#include "coordinator/commands/evaluator_option.hpp"
+#include "coordinator/commands/evolve_options.hpp"
+
+namespace coppice {
+namespace {
+
+struct Options {
+  std::string study;
+  EvolveOptions evolution;
+  EvaluatorOption evaluator;
+  std::optional<std::uint64_t> seed;
+  bool resume = false;
+  bool take_over = false;
+  bool json = false;
+};
+
+// The last run that did not reach its end; whether somebody still runs it, resume_run() finds out.
+Result<RunId> run_to_resume(const Study& study) {
+  const Result<std::vector<RunRecord>> runs = study.runs();
+  if (!runs) {
+    return tl::unexpected(runs.error());
+  }
+  for (auto run = runs->rbegin(); run != runs->rend(); ++run) {
+    if (run->status != RunStatus::finished) {
+      return run->id;
+    }
+  }
+  return bad_input(fmt::format("{}: has no unfinished run: nothing to resume", study.path()));
+}
+
+Result<void> evolve_command(const Options& options, const Invocation& invocation) {
+  const Result<EvaluatorChoice> evaluator = evaluator_choice(options.evaluator, invocation.worker_program);
+  if (!evaluator) {
+    return tl::unexpected(evaluator.error());
+  }
+  Result<Study> study = Study::open(options.study);
+  if (!study) {
+    return tl::unexpected(study.error());
+  }
+  EvolveTask task;
+  task.evaluator = *evaluator;
+  task.lines_every = options.evolution.lines_every;
+  if (options.resume) {
+    const Result<RunId> run = run_to_resume(*study);
+    if (!run) {
+      return tl::unexpected(run.error());
+    }
+    task.resumed = *run;
+    task.take_over = options.take_over;
+  } else {
+    Result<EvolveConfig> config = evolve_config(options.evolution, options.seed, study->chain().vocabulary());
+    if (!config) {
+      return tl::unexpected(config.error());
+    }
+    task.config = std::move(*config);
+  }
+  const Result<EvolveReport> report = evolve_in_study(*study, task, invocation.stop);
+  if (!report) {
+    return tl::unexpected(report.error());
+  }
+  fmt::print("{}{}", options.json ? report->json : report->text, options.json ? "\n" : "");
+  if (report->interrupted) {
+    return tl::unexpected(Error{ErrorKind::interrupted, fmt::format("interrupted; {}", resume_hint(*study))});
+  }
+  return {};
+}
+
+}  // namespace
+
+void add_evolve(CLI::App& app, Invocation& invocation) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("evolve", "Breed behaviour trees that do what the policy does");
+  command->add_option("STUDY", options->study, "The study file; the run is kept in it")->required();
+  add_evaluator_option(*command, options->evaluator);
+  add_evolve_options(*command, options->evolution);
+  CLI::Option* seed =
+      command->add_option("--seed", options->seed, "Same seed, same result (default: seed of --config)");
+  CLI::Option* resume =
+      command->add_flag("--resume", options->resume, "Go on with the last unfinished run, by its own configuration");
+  resume->excludes(command->get_option("--config"))->excludes(command->get_option("--set"))->excludes(seed);
+  command
+      ->add_flag("--take-over", options->take_over,
+                 "With --resume: even a run of another host, where it may still be running")
+      ->needs(resume);
+  command->add_flag("--json", options->json, "Report as one JSON object");
+  command->footer(
+      "Ctrl-C keeps the best so far (exit code 1); --resume goes on to the very same result.\n"
+      "Examples:\n"
+      "  coppice evolve uav.coppice --workers 2\n"
+      "  coppice evolve uav.coppice --serial --set ga.population=200 --set fitness.coverage=0.5 --seed 3\n"
+      "  coppice evolve uav.coppice --resume");
+  command->callback([&invocation, options] {
+    invocation.chosen = [&invocation, options] { return evolve_command(*options, invocation); };
+  });
+}
+
+}  // namespace coppice

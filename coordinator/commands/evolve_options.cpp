@@ -1,0 +1,198 @@
+#include "coordinator/commands/evolve_options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <fmt/format.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/tree/simplify.hpp"
+#include "common/tree/state_columns.hpp"
+#include "common/tree/text.hpp"
+#include "coordinator/commands/evaluator_option.hpp"
+#include "coordinator/evolution/evolve.hpp"
+#include "coordinator/report/progress.hpp"
+
+namespace coppice {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string count_text(double count) {
+  if (count >= 1e6) {
+    return fmt::format("{:.1f}M", count / 1e6);
+  }
+  return count >= 1e4 ? fmt::format("{:.0f}k", count / 1e3) : fmt::format("{:.0f}", count);
+}
+
+std::string progress_text(const GenerationRecord& record, const DispatchStatistics& statistics, bool serial) {
+  const double rate = record.seconds > 0.0 ? static_cast<double>(record.evaluations) / record.seconds : 0.0;
+  std::string text =
+      fmt::format("best {:.3f}, mean {:.3f}, {} nodes (mean {:.0f}), {} evaluations/s", record.best.fitness,
+                  record.mean_fitness, record.best_nodes(), record.mean_nodes, count_text(rate));
+  if (!serial) {
+    text += fmt::format(", {} workers", statistics.workers_alive);
+  }
+  return text;
+}
+
+Json json_of(const DispatchStatistics& statistics) {
+  return {{"individuals", statistics.individuals}, {"batches", statistics.batches},
+          {"duplicates", statistics.duplicates},   {"requeued", statistics.requeued},
+          {"rejected", statistics.rejected},       {"workers_lost", statistics.workers_lost}};
+}
+
+// The run's figures; what a repetition with the same seed repeats, but for seconds and dispatch.
+Json outcome_json(const Evolved& evolved, const DispatchStatistics& statistics, double seconds) {
+  return {{"fitness", evolved.best.fitness},         {"agreement", evolved.best.agreement},
+          {"final_steps", evolved.final_steps},      {"best_generation", evolved.best.generation},
+          {"generations", evolved.generations_done}, {"seconds", seconds},
+          {"dispatch", json_of(statistics)}};
+}
+
+struct StartedRun {
+  RunId id{};
+  EvolveConfig config;
+  std::optional<Checkpoint> checkpoint;
+};
+
+Result<StartedRun> start_run(Study& study, const EvolveTask& task) {
+  if (task.resumed) {
+    Result<ResumedRun> resumed = study.resume_run(*task.resumed, task.take_over);
+    if (!resumed) {
+      return tl::unexpected(std::move(resumed).error());
+    }
+    return StartedRun{*task.resumed, std::move(resumed->config), std::move(resumed->checkpoint)};
+  }
+  const Result<RunId> id = study.begin_run({task.config, in_words(task.evaluator)});
+  if (!id) {
+    return tl::unexpected(id.error());
+  }
+  return StartedRun{*id, task.config, std::nullopt};
+}
+
+}  // namespace
+
+void add_evolve_options(CLI::App& command, EvolveOptions& options) {
+  command.add_option("--config", options.config_file, "Configuration; keys that it leaves out are as in the thesis")
+      ->type_name("FILE.toml");
+  command.add_option("--set", options.settings, "Change one key, after --config; may be repeated")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  command
+      .add_option("--lines-every", options.lines_every,
+                  "Generations between progress lines when standard error is no terminal")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+}
+
+Result<EvolveConfig> evolve_config(const EvolveOptions& options, std::optional<std::uint64_t> seed,
+                                   const Vocabulary& vocabulary) {
+  EvolveConfig config;
+  if (!options.config_file.empty()) {
+    if (const Result<void> loaded = load_config(options.config_file, config); !loaded) {
+      return tl::unexpected(loaded.error());
+    }
+  }
+  for (const std::string& setting : options.settings) {
+    if (const Result<void> applied = apply_setting(setting, config); !applied) {
+      return tl::unexpected(applied.error());
+    }
+  }
+  config.seed = seed.value_or(config.seed);
+  if (const Result<void> checked = check_config(config, vocabulary); !checked) {
+    return tl::unexpected(checked.error());
+  }
+  return config;
+}
+
+Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const StopFlag& stop) {
+  const auto chain = std::make_shared<const Chain>(study.chain());
+  // Before the run exists: workers that cannot start leave no trace in the study.
+  const Result<std::unique_ptr<Evaluator>> evaluator = open_evaluator(chain, task.evaluator, stop);
+  if (!evaluator) {
+    return tl::unexpected(evaluator.error());
+  }
+  Result<StartedRun> started = start_run(study, task);
+  if (!started) {
+    return tl::unexpected(std::move(started).error());
+  }
+  const RunId run = started->id;
+  const std::uint32_t begin = started->checkpoint ? started->checkpoint->generation + 1 : 0;
+  const bool serial = task.evaluator.kind == EvaluatorChoice::Kind::serial;
+
+  ProgressSettings settings = progress_settings_for(stderr);
+  settings.plain_every_done = task.lines_every;
+  Progress progress(stderr, settings, "evolve", "generations", started->config.ga.generations, begin);
+  const Clock::time_point began = Clock::now();
+  EvolveHooks hooks;
+  hooks.generation_done = [&](const GenerationRecord& record, const Checkpoint& checkpoint) -> Result<void> {
+    if (const Result<void> saved = study.save_generation(run, record, checkpoint); !saved) {
+      return saved;
+    }
+    progress.update(record.generation + 1, progress_text(record, (*evaluator)->statistics(), serial));
+    if (stop.raised()) {
+      return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+    }
+    return {};
+  };
+  const Result<Evolved> evolved = evolve(*chain, started->config, **evaluator, std::move(started->checkpoint), hooks);
+  const double seconds = std::chrono::duration<double>(Clock::now() - began).count();
+  const DispatchStatistics statistics = (*evaluator)->statistics();
+  if (!evolved) {
+    RunOutcome outcome;
+    outcome.status = evolved.error().kind == ErrorKind::interrupted ? RunStatus::interrupted : RunStatus::failed;
+    outcome.json = Json{{"error", evolved.error().message}}.dump(-1, ' ', false, Json::error_handler_t::replace);
+    if (const Result<void> finished = study.finish_run(run, outcome); !finished) {
+      return tl::unexpected(
+          Error{evolved.error().kind, fmt::format("{}; and {}", evolved.error().message, finished.error().message)});
+    }
+    return tl::unexpected(evolved.error());
+  }
+  progress.finish(evolved->generations_done,
+                  fmt::format("best {:.4f}, {} nodes", evolved->best.fitness, evolved->best.tree.size()));
+
+  const Vocabulary& vocabulary = chain->vocabulary();
+  const Tree pruned = simplify(evolved->best.tree, vocabulary, StateColumns(vocabulary, chain->parts().features)).tree;
+  const RunStatus status = evolved->interrupted ? RunStatus::interrupted : RunStatus::finished;
+  const Json outcome = outcome_json(*evolved, statistics, seconds);
+  const Result<void> finished =
+      study.finish_run(run, {.status = status, .tree = evolved->best.tree, .pruned = pruned, .json = outcome.dump()});
+  if (!finished) {
+    return tl::unexpected(finished.error());
+  }
+  const std::string tree_text = to_text(evolved->best.tree, vocabulary);
+  const std::string pruned_text = to_text(pruned, vocabulary);
+  std::string text = fmt::format("run {}: {} generations, seed {}, {}, {:.1f} s\n", static_cast<std::int64_t>(run),
+                                 evolved->generations_done, started->config.seed, in_words(task.evaluator), seconds);
+  text += fmt::format(
+      "fitness {:.4f}, agreement {:.1f} % of {}\n", evolved->best.fitness, 100.0 * evolved->best.agreement,
+      evolved->interrupted ? std::string("its generation's steps") : fmt::format("{} steps", evolved->final_steps));
+  text += fmt::format("evolved, {} nodes:\n{}\n", evolved->best.tree.size(), tree_text);
+  text += fmt::format("pruned, {} nodes:\n{}\n", pruned.size(), pruned_text);
+  Json json = {{"study", study.path()},
+               {"run", static_cast<std::int64_t>(run)},
+               {"status", name_of(status)},
+               {"evaluator", in_words(task.evaluator)},
+               {"seed", started->config.seed}};
+  json.update(outcome);
+  json["tree"] = tree_text;
+  json["nodes"] = evolved->best.tree.size();
+  json["pruned"] = pruned_text;
+  json["pruned_nodes"] = pruned.size();
+  return EvolveReport{.run = run,
+                      .tree = evolved->best.tree,
+                      .pruned = pruned,
+                      .interrupted = evolved->interrupted,
+                      .text = std::move(text),
+                      .json = json.dump(-1, ' ', false, Json::error_handler_t::replace)};
+}
+
+std::string resume_hint(const Study& study) {
+  return fmt::format("resume with: coppice evolve {} --resume", study.path());
+}
+
+}  // namespace coppice

@@ -1,0 +1,195 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/tree/text.hpp"
+#include "coordinator/commands/commands.hpp"
+#include "coordinator/report/printable.hpp"
+#include "coordinator/study/study.hpp"
+
+namespace coppice {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kAheadFeature = "s3";  // the sensor ahead, thesis Figure 7
+constexpr std::uint8_t kWall = 0;
+
+struct Options {
+  std::string study;
+  bool json = false;
+};
+
+std::size_t rows_never_tried(const Chain& chain) {
+  std::size_t rows = 0;
+  for (std::size_t row = 0; row < chain.states() * chain.actions(); ++row) {
+    rows += chain.tries(row) == 0 ? 1U : 0U;
+  }
+  return rows;
+}
+
+std::optional<std::size_t> states_with_wall_ahead(const Chain& chain) {
+  const std::optional<std::size_t> ahead = chain.vocabulary().find_feature(kAheadFeature);
+  if (!ahead) {
+    return std::nullopt;
+  }
+  std::size_t states = 0;
+  for (std::size_t state = 0; state < chain.states(); ++state) {
+    states += chain.features_of(state)[*ahead] == kWall ? 1U : 0U;
+  }
+  return states;
+}
+
+std::string features_text(const Chain& chain, std::size_t state) {
+  std::string text;
+  for (std::size_t i = 0; i < chain.vocabulary().features.size(); ++i) {
+    text += fmt::format("{}{}={}", i == 0 ? "" : " ", chain.vocabulary().features[i].name, chain.features_of(state)[i]);
+  }
+  return text;
+}
+
+// The study keeps JSON as it was given; a damaged one is shown as the text that it is.
+Json parsed(const std::string& text) {
+  Json json = Json::parse(text, nullptr, false);
+  return json.is_discarded() ? Json(text) : json;
+}
+
+Json json_of(const RunRecord& run, const Vocabulary& vocabulary) {
+  Json json = {{"run", static_cast<std::int64_t>(run.id)},
+               {"status", name_of(run.status)},
+               {"resumable", run.abandoned || (run.status != RunStatus::finished && run.status != RunStatus::running)},
+               {"evaluator", run.evaluator},
+               {"started", run.started},
+               {"ended", run.ended},
+               {"seed", run.config.seed},
+               {"generations", run.generations},
+               {"configuration", parsed(config_to_json(run.config))},
+               {"result", parsed(run.json)}};
+  if (run.tree) {
+    json["tree"] = to_text(*run.tree, vocabulary);
+    json["nodes"] = run.tree->size();
+  }
+  if (run.pruned) {
+    json["pruned"] = to_text(*run.pruned, vocabulary);
+    json["pruned_nodes"] = run.pruned->size();
+  }
+  return json;
+}
+
+Json json_of(const Study& study, const std::vector<RunRecord>& runs) {
+  const Chain& chain = study.chain();
+  Json json = {{"study", study.path()},
+               {"chain", study.chain_hash().hex()},
+               {"world", study.world().kind},
+               {"states", chain.states()},
+               {"actions", chain.vocabulary().actions},
+               {"transitions", chain.transitions()},
+               {"rows", chain.states() * chain.actions()},
+               {"rows_never_tried", rows_never_tried(chain)}};
+  if (const auto walls = states_with_wall_ahead(chain)) {
+    json["states_with_wall_ahead"] = *walls;
+  }
+  json["initial_state"] = {{"index", chain.initial_state()}, {"features", features_text(chain, chain.initial_state())}};
+  json["learning"] = {{"settings", parsed(study.learning().settings)}, {"outcome", parsed(study.learning().outcome)}};
+  json["runs"] = Json::array();
+  for (const RunRecord& run : runs) {
+    json["runs"].push_back(json_of(run, chain.vocabulary()));
+  }
+  return json;
+}
+
+std::string pairs_text(const Json& object) {
+  if (!object.is_object()) {
+    return object.dump(-1, ' ', false, Json::error_handler_t::replace);
+  }
+  std::string text;
+  for (const auto& [key, value] : object.items()) {
+    const std::string shown =
+        value.is_string() ? value.get<std::string>() : value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    text += fmt::format("{}{}={}", text.empty() ? "" : " ", key, shown);
+  }
+  return text;
+}
+
+void print_line(std::string_view name, const std::string& value) { fmt::print("{:<22} {}\n", name, printable(value)); }
+
+void print_text(const Json& json) {
+  for (const auto& [key, name] :
+       std::vector<std::pair<const char*, const char*>>{{"study", "study"},
+                                                        {"chain", "chain"},
+                                                        {"world", "world"},
+                                                        {"states", "states"},
+                                                        {"transitions", "transitions"},
+                                                        {"rows", "rows (state, action)"},
+                                                        {"rows_never_tried", "rows never tried"},
+                                                        {"states_with_wall_ahead", "wall ahead, states"}}) {
+    if (json.contains(key)) {
+      print_line(name, json[key].is_string() ? json[key].get<std::string>() : json[key].dump());
+    }
+  }
+  print_line("actions", pairs_text(json["actions"]));
+  print_line("initial state", fmt::format("{}: {}", json["initial_state"]["index"].dump(),
+                                          json["initial_state"]["features"].get<std::string>()));
+  print_line("learned with", pairs_text(json["learning"]["settings"]));
+  print_line("learned", pairs_text(json["learning"]["outcome"]));
+  if (json["runs"].empty()) {
+    print_line("runs", "none");
+  }
+  for (const Json& run : json["runs"]) {
+    fmt::print("\n");
+    print_line(
+        fmt::format("run {}", run["run"].dump()),
+        fmt::format("{}{}, {}, seed {}, {} generations, started {}{}", run["status"].get<std::string>(),
+                    run["resumable"].get<bool>() ? " (evolve --resume goes on)" : "",
+                    run["evaluator"].get<std::string>(), run["seed"].dump(), run["generations"].dump(),
+                    run["started"].get<std::string>(),
+                    run["ended"].get<std::string>().empty() ? "" : ", ended " + run["ended"].get<std::string>()));
+    print_line("  configuration", run["configuration"].dump());
+    print_line("  result", pairs_text(run["result"]));
+    for (const char* tree : {"tree", "pruned"}) {
+      if (run.contains(tree)) {
+        const std::string nodes = std::string(tree) == "tree" ? "nodes" : "pruned_nodes";
+        print_line(fmt::format("  {}, {} nodes", tree, run[nodes].dump()), run[tree].get<std::string>());
+      }
+    }
+  }
+}
+
+Result<void> info_command(const Options& options) {
+  const Result<Study> study = Study::open(options.study, Study::Access::read);
+  if (!study) {
+    return tl::unexpected(study.error());
+  }
+  const Result<std::vector<RunRecord>> runs = study->runs();
+  if (!runs) {
+    return tl::unexpected(runs.error());
+  }
+  const Json json = json_of(*study, *runs);
+  if (options.json) {
+    fmt::print("{}\n", json.dump(-1, ' ', false, Json::error_handler_t::replace));
+  } else {
+    print_text(json);
+  }
+  return {};
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, Invocation& invocation) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("info", "Say what a study holds: the chain, how it was learned, its runs");
+  command->add_option("STUDY", options->study, "The study file")->required();
+  command->add_flag("--json", options->json, "Report as one JSON object");
+  command->footer(
+      "Example:\n"
+      "  coppice info uav.coppice");
+  command->callback([&invocation, options] { invocation.chosen = [options] { return info_command(*options); }; });
+}
+
+}  // namespace coppice

@@ -1,0 +1,138 @@
+#include "coordinator/commands/learn_options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+
+#include "coordinator/report/progress.hpp"
+
+namespace coppice {
+namespace {
+
+constexpr std::uint32_t kThesisSteps = 150;  // thesis Table II
+
+nlohmann::ordered_json json_of(const LearnTask& task) {
+  const LearnSettings& settings = task.settings;
+  return {{"world", task.world_name},      {"algorithm", name_of(settings.algorithm)},
+          {"episodes", settings.episodes}, {"steps", settings.steps},
+          {"alpha", settings.alpha},       {"gamma", settings.gamma},
+          {"epsilon", settings.epsilon},   {"decay", name_of(settings.decay)},
+          {"seed", settings.seed}};
+}
+
+nlohmann::ordered_json json_of(const Learned& learned) {
+  return {{"states", learned.chain.states()},
+          {"transitions", learned.chain.transitions()},
+          {"reward_last_episodes", learned.last_rewards},
+          {"largest_change", learned.largest_change},
+          {"collisions", learned.collisions},
+          {"last_collision_episode", learned.last_collision_episode},
+          {"steps", learned.steps},
+          {"seconds", learned.seconds}};
+}
+
+std::string text_of(const LearnTask& task, const Learned& learned, const std::string& path) {
+  const double steps = static_cast<double>(learned.steps);
+  std::string text =
+      fmt::format("{}: {} states, {} transitions\n", path, learned.chain.states(), learned.chain.transitions());
+  text += fmt::format("{} episodes of {} by {}, seed {}: {:.1f} s, {:.1f} ns a step\n", task.settings.episodes,
+                      task.world_name, name_of(task.settings.algorithm), task.settings.seed, learned.seconds,
+                      steps > 0.0 ? learned.seconds / steps * 1e9 : 0.0);
+  text += fmt::format("reward per episode at the end: {:.1f}\n", learned.last_rewards);
+  text += learned.collisions == 0 ? std::string("no collisions\n")
+                                  : fmt::format("collisions: {}, the last in episode {}\n", learned.collisions,
+                                                learned.last_collision_episode);
+  return text;
+}
+
+}  // namespace
+
+void add_learn_options(CLI::App& command, LearnOptions& options) {
+  command.add_option("--world", options.world, "The room of the thesis, a room of yours, or the windy grid")
+      ->type_name("uav|windy|FILE.room")
+      ->capture_default_str();
+  command.add_option("--algorithm", options.algorithm, "How to learn")
+      ->type_name("q-learning|sarsa")
+      ->capture_default_str();
+  command.add_option("--episodes", options.episodes, "Episodes to learn from (default: as the thesis has it)");
+  command.add_option("--steps", options.steps, "Steps per episode (default: as the thesis has it)");
+  command.add_option("--alpha", options.alpha, "Learning rate (default: as the thesis has it)");
+  command.add_option("--gamma", options.gamma, "Discount factor (default: as the thesis has it)");
+  command.add_option("--epsilon", options.epsilon, "Exploration in the first episode (default: as the thesis has it)");
+  command.add_option("--decay", options.decay, "How exploration falls over the episodes")
+      ->type_name("thesis|printed|linear");
+}
+
+Result<LearnTask> learn_task(const LearnOptions& options, std::uint64_t seed) {
+  Result<World> world = load_world(options.world);
+  if (!world) {
+    return in_context("--world", std::move(world).error());
+  }
+  const Result<Algorithm> algorithm = algorithm_named(options.algorithm);
+  if (!algorithm) {
+    return in_context("--algorithm", algorithm.error());
+  }
+  LearnSettings settings = default_settings(world->kind, *algorithm);
+  settings.algorithm = *algorithm;
+  settings.episodes = options.episodes.value_or(settings.episodes);
+  settings.steps = options.steps.value_or(settings.steps);
+  settings.alpha = options.alpha.value_or(settings.alpha);
+  settings.gamma = options.gamma.value_or(settings.gamma);
+  settings.epsilon = options.epsilon.value_or(settings.epsilon);
+  if (options.decay) {
+    const Result<Decay> decay = decay_named(*options.decay);
+    if (!decay) {
+      return in_context("--decay", decay.error());
+    }
+    settings.decay = *decay;
+  }
+  settings.seed = seed;
+  if (const Result<void> checked = check_settings(settings); !checked) {
+    return tl::unexpected(checked.error());
+  }
+  return LearnTask{options.world, std::move(*world), settings};
+}
+
+Result<LearnReport> learn_study(const LearnTask& task, const std::string& path, const StopFlag& stop) {
+  std::error_code error;
+  if (std::filesystem::exists(std::filesystem::symlink_status(path, error))) {
+    return bad_input(fmt::format("{}: exists already: expected the name of a new study", path));
+  }
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder, error)) {
+    return bad_input(fmt::format("{}: the folder {} does not exist", path, folder.string()));
+  }
+  Progress progress(stderr, progress_settings_for(stderr), "learn", "episodes", task.settings.episodes);
+  const Result<Learned> learned = learn(task.world, task.settings, [&](std::uint64_t episodes_done) {
+    progress.update(episodes_done);
+    return !stop.raised();
+  });
+  if (!learned) {
+    return tl::unexpected(learned.error());
+  }
+  progress.finish(task.settings.episodes, fmt::format("reward {:.1f}", learned->last_rewards));
+
+  const nlohmann::ordered_json settings = json_of(task);
+  const nlohmann::ordered_json outcome = json_of(*learned);
+  const StudyWorld world{name_of(task.world.kind), task.world.room};
+  Result<Study> study = Study::create(path, learned->chain, world, {settings.dump(), outcome.dump()});
+  if (!study) {
+    return tl::unexpected(std::move(study).error());
+  }
+  const nlohmann::ordered_json report = {{"study", path}, {"settings", settings}, {"outcome", outcome}};
+  return LearnReport{std::move(*study), text_of(task, *learned, path),
+                     report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
+}
+
+std::uint32_t learned_steps(const Study& study) {
+  const auto settings = nlohmann::json::parse(study.learning().settings, nullptr, false);
+  if (!settings.is_object() || !settings.contains("steps") || !settings["steps"].is_number_unsigned()) {
+    return kThesisSteps;
+  }
+  return settings["steps"].get<std::uint32_t>();
+}
+
+}  // namespace coppice

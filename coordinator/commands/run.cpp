@@ -1,0 +1,176 @@
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "coordinator/commands/commands.hpp"
+#include "coordinator/commands/evaluator_option.hpp"
+#include "coordinator/commands/evolve_options.hpp"
+#include "coordinator/commands/learn_options.hpp"
+#include "coordinator/report/draw.hpp"
+#include "coordinator/report/score.hpp"
+#include "coordinator/report/whole_file.hpp"
+
+namespace coppice {
+namespace {
+
+constexpr int kMostFolderNames = 100;  // runs of one folder that begin in the same second
+
+struct Options {
+  std::string folder;  // empty: named by the time
+  LearnOptions learning;
+  EvolveOptions evolution;
+  EvaluatorOption evaluator;
+  std::uint64_t seed = 1;
+  std::uint64_t score_episodes = SimulateSettings{}.episodes;
+  bool json = false;
+};
+
+// Makes the folder, which must be new. std::filesystem::create_directory() does that in one step, so that two runs
+// cannot get the same one.
+Result<std::filesystem::path> new_folder(const std::string& given) {
+  std::error_code error;
+  if (!given.empty()) {
+    if (!std::filesystem::create_directory(given, error)) {
+      return error ? failed(fmt::format("cannot make the folder {}: {}", given, error.message()))
+                   : bad_input(fmt::format("-o: {} exists already: expected the name of a new folder", given));
+    }
+    return std::filesystem::path(given);
+  }
+  const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  const std::string stem = fmt::format("coppice-run-{:%Y%m%dT%H%M%SZ}", fmt::gmtime(now));
+  for (int i = 1; i <= kMostFolderNames; ++i) {
+    const std::string name = i == 1 ? stem : fmt::format("{}-{}", stem, i);
+    if (std::filesystem::create_directory(name, error)) {
+      return std::filesystem::path(name);
+    }
+    if (error) {
+      return failed(fmt::format("cannot make the folder {}: {}", name, error.message()));
+    }
+  }
+  return failed(fmt::format("{} and {} names like it exist already", stem, kMostFolderNames - 1));
+}
+
+Result<void> write_drawings(const Tree& tree, const Vocabulary& vocabulary, const std::filesystem::path& stem) {
+  for (const char* extension : {".dot", ".svg"}) {
+    std::filesystem::path path = stem;
+    path += extension;
+    if (const Result<void> written = write_drawing(tree, vocabulary, path); !written) {
+      return written;
+    }
+  }
+  return {};
+}
+
+Result<void> write_reports(const std::filesystem::path& folder, const EvolveReport& evolved, const Score& score,
+                           const Vocabulary& vocabulary) {
+  if (const auto written = write_whole_file(folder / "table-iv.txt", to_text(score)); !written) {
+    return written;
+  }
+  if (const auto written = write_whole_file(folder / "table-iv.json", to_json(score) + "\n"); !written) {
+    return written;
+  }
+  if (const auto written = write_drawings(evolved.tree, vocabulary, folder / "evolved"); !written) {
+    return written;
+  }
+  return write_drawings(evolved.pruned, vocabulary, folder / "pruned");
+}
+
+Result<void> run_command(const Options& options, const Invocation& invocation) {
+  // Everything that can be wrong with the flags is found before the folder exists.
+  const Result<LearnTask> learning = learn_task(options.learning, options.seed);
+  if (!learning) {
+    return tl::unexpected(learning.error());
+  }
+  const Result<EvolveConfig> config = evolve_config(options.evolution, options.seed, vocabulary_of(learning->world));
+  if (!config) {
+    return tl::unexpected(config.error());
+  }
+  const Result<EvaluatorChoice> evaluator = evaluator_choice(options.evaluator, invocation.worker_program);
+  if (!evaluator) {
+    return tl::unexpected(evaluator.error());
+  }
+  const Result<std::filesystem::path> folder = new_folder(options.folder);
+  if (!folder) {
+    return tl::unexpected(folder.error());
+  }
+  const std::string study_path = (*folder / "study.coppice").string();
+  Result<LearnReport> learned = learn_study(*learning, study_path, invocation.stop);
+  if (!learned) {
+    std::error_code ignored;
+    std::filesystem::remove(*folder, ignored);  // only if it is empty
+    return tl::unexpected(std::move(learned).error());
+  }
+  Study& study = learned->study;
+  if (!options.json) {
+    fmt::print("{}\n", learned->text);
+    std::fflush(stdout);
+  }
+  const Result<EvolveReport> evolved = evolve_in_study(study,
+                                                       {.config = *config,
+                                                        .resumed = std::nullopt,
+                                                        .evaluator = *evaluator,
+                                                        .lines_every = options.evolution.lines_every},
+                                                       invocation.stop);
+  if (!evolved) {
+    return in_context(study_path, evolved.error());
+  }
+  const SimulateSettings settings{
+      .episodes = options.score_episodes, .steps = learning->settings.steps, .seed = options.seed};
+  const Result<Score> score = score_tree(learning->world, study.chain(), evolved->tree, settings);
+  if (!score) {
+    return tl::unexpected(score.error());
+  }
+  const Result<void> reported = write_reports(*folder, *evolved, *score, study.chain().vocabulary());
+  if (options.json) {
+    const auto parsed = [](const std::string& text) { return nlohmann::ordered_json::parse(text); };
+    const nlohmann::ordered_json json = {{"folder", folder->string()},
+                                         {"learn", parsed(learned->json)},
+                                         {"evolve", parsed(evolved->json)},
+                                         {"score", parsed(to_json(*score))}};
+    fmt::print("{}\n", json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  } else {
+    fmt::print("{}\n{}\n", evolved->text, to_text(*score));
+    fmt::print("drawings: {}, {}\nstudy: {}\n", (*folder / "evolved.svg").string(), (*folder / "pruned.svg").string(),
+               study_path);
+  }
+  if (!reported) {
+    return reported;
+  }
+  if (evolved->interrupted) {
+    return tl::unexpected(Error{ErrorKind::interrupted, fmt::format("interrupted; {}", resume_hint(study))});
+  }
+  return {};
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, Invocation& invocation) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("run", "From nothing to a drawn tree: learn, evolve, score and draw, into a new folder");
+  command->add_option("-o,--output", options->folder, "The folder to make (default: coppice-run-<UTC time>)")
+      ->type_name("FOLDER");
+  add_learn_options(*command, options->learning);
+  add_evaluator_option(*command, options->evaluator);
+  add_evolve_options(*command, options->evolution);
+  command->add_option("--seed", options->seed, "Of learning, evolution and simulator")->capture_default_str();
+  command->add_option("--score-episodes", options->score_episodes, "Episodes in the simulator for Table IV")
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Report as one JSON object");
+  command->footer(
+      "Writes study.coppice, evolved.svg, pruned.svg (and .dot), table-iv.txt and table-iv.json; never overwrites.\n"
+      "Examples:\n"
+      "  coppice run --workers 2\n"
+      "  coppice run -o trial --episodes 20000 --set ga.generations=100 --serial --seed 3");
+  command->callback([&invocation, options] {
+    invocation.chosen = [&invocation, options] { return run_command(*options, invocation); };
+  });
+}
+
+}  // namespace coppice

@@ -1,0 +1,255 @@
+#include "coordinator/dispatch/in_flight.hpp"
+
+#include <algorithm>
+
+#include "common/check.hpp"
+
+namespace coppice {
+
+void InFlight::begin(std::uint32_t slots) {
+  COPPICE_CHECK(done());
+  ++generation_;
+  for (auto entry = out_.begin(); entry != out_.end();) {
+    entry = entry->second.lost ? out_.erase(entry) : std::next(entry);
+  }
+  doubled_ = false;
+  settled_.assign(slots, false);
+  attempts_.assign(slots, 0);
+  unsettled_ = slots;
+  queue_.clear();
+  waiting_ = 0;
+  if (slots > 0) {
+    queue_.push_back({0, slots, false});
+    waiting_ = slots;
+  }
+}
+
+void InFlight::abandon() {
+  queue_.clear();
+  waiting_ = 0;
+  unsettled_ = 0;
+  settled_.clear();
+  attempts_.clear();
+  ++generation_;  // what is out belongs to no generation now
+}
+
+void InFlight::add_worker(WorkerId worker) { workers_.emplace(worker, Worker{}); }
+
+std::size_t InFlight::load(WorkerId worker) const {
+  const auto found = workers_.find(worker);
+  return found == workers_.end() ? 0 : found->second.out;
+}
+
+bool InFlight::may_take(const Worker& worker, const Range& range) const {
+  return !worker.alone && worker.out < (range.alone ? 1 : limits_.credit);
+}
+
+bool InFlight::can_take(WorkerId worker) const {
+  const auto found = workers_.find(worker);
+  return found != workers_.end() &&
+         std::any_of(queue_.begin(), queue_.end(), [&](const Range& range) { return may_take(found->second, range); });
+}
+
+std::optional<InFlight::Range> InFlight::take_range(const Worker& worker, std::uint32_t most) {
+  const auto found =
+      std::find_if(queue_.begin(), queue_.end(), [&](const Range& range) { return may_take(worker, range); });
+  if (found == queue_.end()) {
+    return std::nullopt;
+  }
+  const Range taken{found->first, std::min(found->count, most), found->alone};
+  found->first += taken.count;
+  found->count -= taken.count;
+  if (found->count == 0) {
+    queue_.erase(found);
+  }
+  waiting_ -= taken.count;
+  return taken;
+}
+
+Batch InFlight::send(Worker& worker, WorkerId id, const Range& range, Time due) {
+  const Batch batch{BatchId{next_batch_++}, range.first, range.count};
+  out_.emplace(batch.id, Out{batch, id, due, generation_, 0, range.alone, false});
+  ++worker.out;
+  worker.alone = worker.alone || range.alone;
+  return batch;
+}
+
+std::optional<Batch> InFlight::offer(WorkerId worker, std::uint32_t most, Time now, Duration patience) {
+  COPPICE_CHECK(most >= 1);
+  const auto found = workers_.find(worker);
+  COPPICE_CHECK(found != workers_.end());
+  const auto range = take_range(found->second, most);
+  if (!range) {
+    return std::nullopt;
+  }
+  return send(found->second, worker, *range, now + patience);
+}
+
+std::optional<Batch> InFlight::offer_copy(WorkerId worker, Time now, Duration patience) {
+  const auto found = workers_.find(worker);
+  COPPICE_CHECK(found != workers_.end());
+  if (waiting_ > 0 || found->second.out > 0) {
+    return std::nullopt;
+  }
+  Out* oldest = nullptr;
+  for (auto& [id, out] : out_) {
+    if (out.generation == generation_ && !out.lost && out.worker != worker && out.due <= now &&
+        out.copies < limits_.copies && (oldest == nullptr || out.due < oldest->due)) {
+      oldest = &out;
+    }
+  }
+  if (oldest == nullptr) {
+    return std::nullopt;
+  }
+  doubled_ = true;
+  ++oldest->copies;
+  oldest->due = now + patience;  // the copy gets its time before a third worker is asked
+  const Range range{oldest->batch.first, oldest->batch.count, oldest->alone};
+  return send(found->second, worker, range, now + patience);
+}
+
+std::optional<InFlight::Time> InFlight::next_due() const {
+  std::optional<Time> next;
+  for (const auto& [id, out] : out_) {
+    if (out.generation == generation_ && !out.lost && out.copies < limits_.copies && (!next || out.due < *next)) {
+      next = out.due;
+    }
+  }
+  return next;
+}
+
+void InFlight::discharge(const Out& out) {
+  const auto worker = workers_.find(out.worker);
+  if (!out.lost && worker != workers_.end()) {
+    --worker->second.out;
+    worker->second.alone = worker->second.alone && !out.alone;
+  }
+}
+
+void InFlight::settle_slot(std::uint32_t slot) {
+  settled_[slot] = true;
+  --unsettled_;
+}
+
+std::optional<InFlight::Found> InFlight::find(BatchId batch, WorkerId worker) const {
+  const auto found = out_.find(batch);
+  if (found == out_.end() || found->second.worker != worker) {
+    return std::nullopt;
+  }
+  return Found{found->second.batch, found->second.generation == generation_};
+}
+
+InFlight::Settlement InFlight::settle(BatchId batch, WorkerId worker) {
+  const auto found = out_.find(batch);
+  if (found == out_.end() || found->second.worker != worker) {
+    return {};
+  }
+  const Out out = found->second;
+  discharge(out);
+  out_.erase(found);
+  Settlement settlement{Settled::duplicate, out.batch, {}};
+  if (out.generation != generation_) {
+    return settlement;
+  }
+  for (std::uint32_t slot = out.batch.first; slot < out.batch.first + out.batch.count; ++slot) {
+    if (!settled_[slot]) {
+      settle_slot(slot);
+      settlement.fresh.push_back(slot);
+      settlement.kind = Settled::first;
+    }
+  }
+  if (doubled_) {
+    drop_settled();
+  }
+  return settlement;
+}
+
+void InFlight::drop_settled() {
+  std::deque<Range> queue;
+  queue.swap(queue_);
+  waiting_ = 0;
+  for (const Range& range : queue) {
+    std::uint32_t run = 0;
+    for (std::uint32_t slot = range.first; slot < range.first + range.count; ++slot) {
+      run = settled_[slot] ? 0 : run + 1;
+      if (run == 1) {
+        queue_.push_back({slot, 1, range.alone});
+      } else if (run > 1) {
+        ++queue_.back().count;
+      }
+      waiting_ += run > 0 ? 1 : 0;
+    }
+  }
+}
+
+void InFlight::push_waiting(std::uint32_t first, std::uint32_t count) {
+  queue_.push_front({first, count, false});
+  waiting_ += count;
+}
+
+void InFlight::wait_again(const Out& out) {
+  // From the back, so that the slots stand at the front of the queue in their order.
+  std::uint32_t run = 0;
+  const std::uint32_t end = out.batch.first + out.batch.count;
+  for (std::uint32_t slot = end; slot-- > out.batch.first;) {
+    const bool waits = !settled_[slot];
+    const bool alone = waits && attempts_[slot] >= limits_.isolate_after;
+    if (waits && !alone) {
+      ++run;
+      continue;
+    }
+    if (run > 0) {
+      push_waiting(slot + 1, run);
+      run = 0;
+    }
+    if (alone) {
+      queue_.push_front({slot, 1, true});
+      ++waiting_;
+    }
+  }
+  if (run > 0) {
+    push_waiting(out.batch.first, run);
+  }
+}
+
+bool InFlight::give_back(BatchId batch, WorkerId worker) {
+  const auto found = out_.find(batch);
+  if (found == out_.end() || found->second.worker != worker) {
+    return false;
+  }
+  const Out out = found->second;
+  discharge(out);
+  out_.erase(found);
+  if (out.generation == generation_ && !out.lost) {
+    wait_again(out);
+  }
+  return true;
+}
+
+InFlight::Loss InFlight::lose_worker(WorkerId worker) {
+  Loss loss;
+  if (workers_.erase(worker) == 0) {
+    return loss;
+  }
+  for (auto& [id, out] : out_) {
+    if (out.worker != worker || out.lost) {
+      continue;
+    }
+    out.lost = true;
+    doubled_ = true;
+    if (out.generation != generation_) {
+      continue;
+    }
+    ++loss.batches;
+    for (std::uint32_t slot = out.batch.first; slot < out.batch.first + out.batch.count; ++slot) {
+      if (!settled_[slot] && ++attempts_[slot] >= limits_.attempts) {
+        settle_slot(slot);
+        loss.poisonous.push_back(slot);
+      }
+    }
+    wait_again(out);
+  }
+  return loss;
+}
+
+}  // namespace coppice

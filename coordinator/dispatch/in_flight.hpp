@@ -1,0 +1,139 @@
+// Who has which slots: the bookkeeping of one generation on its way through the workers, without DDS, threads or
+// clocks of its own (time is passed in), so that every fault can be tested as a sequence of calls.
+//
+// The life of a slot: waiting -> offered to a worker in a batch -> settled by the first answer that names it. A
+// lost worker's slots wait again, at the front; an overdue batch may be offered to a second worker as a copy.
+// Because a tally is a pure function of its slot, it does not matter which answer comes first.
+//
+// Invariant: every slot of the generation is settled, or waiting, or in a batch that is out.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <vector>
+
+namespace coppice {
+
+enum class WorkerId : std::uint64_t {};
+enum class BatchId : std::uint64_t {};
+
+struct InFlightLimits {
+  std::size_t credit = 2;           // batches out at one worker: one at work, one to hide the way there
+  std::uint32_t attempts = 5;       // workers that may be lost with a slot before it counts as poisonous
+  std::uint32_t isolate_after = 2;  // lost workers after which a slot travels alone
+  std::uint32_t copies = 2;         // times that an overdue batch may be offered again
+};
+
+// Slots first .. first + count - 1.
+struct Batch {
+  BatchId id{};
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+};
+
+class InFlight {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  using Duration = std::chrono::steady_clock::duration;
+
+  explicit InFlight(const InFlightLimits& limits) : limits_(limits) {}
+
+  // Starts a generation of `slots`. What is still out from earlier ones stays charged to its worker until answered.
+  // REQUIRES: done().
+  void begin(std::uint32_t slots);
+  // Gives the generation up (interrupted): done() holds afterwards.
+  void abandon();
+
+  void add_worker(WorkerId worker);
+  bool has_worker(WorkerId worker) const { return workers_.count(worker) != 0; }
+  std::size_t workers() const { return workers_.size(); }
+  // Batches out at a worker, copies and leftovers of earlier generations included.
+  std::size_t load(WorkerId worker) const;
+
+  // Whether offer() could hand this worker anything.
+  bool can_take(WorkerId worker) const;
+  // Takes at most `most` waiting slots for the worker; it should answer within `patience`. None when nothing waits
+  // that it may take, or its credit is used up. REQUIRES: has_worker(worker), most >= 1.
+  std::optional<Batch> offer(WorkerId worker, std::uint32_t most, Time now, Duration patience);
+  // Nothing waits: a copy of the batch that is overdue longest and is out at somebody else. REQUIRES:
+  // has_worker(worker).
+  std::optional<Batch> offer_copy(WorkerId worker, Time now, Duration patience);
+  // When the next batch becomes overdue, if any is out.
+  std::optional<Time> next_due() const;
+
+  enum class Settled : std::uint8_t { first, duplicate, foreign };
+  struct Settlement {
+    Settled kind = Settled::foreign;
+    Batch batch;                       // unless foreign
+    std::vector<std::uint32_t> fresh;  // slots that this answer settled
+  };
+  // An answer. Late answers of lost workers settle too; foreign: no such batch is out at that worker.
+  Settlement settle(BatchId batch, WorkerId worker);
+  // The batch as it went out to that worker, to check an answer against before it settles anything. `current`: it
+  // belongs to this generation, else its answer settles nothing.
+  struct Found {
+    Batch batch;
+    bool current = false;
+  };
+  std::optional<Found> find(BatchId batch, WorkerId worker) const;
+  // The worker returned the batch unevaluated; its slots wait again, at the front. False: foreign.
+  bool give_back(BatchId batch, WorkerId worker);
+
+  struct Loss {
+    std::size_t batches = 0;
+    std::vector<std::uint32_t> poisonous;  // settled by giving up: too many workers were lost with them
+  };
+  // The worker died, or is out of reach; its slots wait again, at the front. Answers that still come from it count.
+  Loss lose_worker(WorkerId worker);
+
+  bool done() const { return unsettled_ == 0; }
+  std::uint32_t unsettled() const { return unsettled_; }
+  std::uint32_t waiting() const { return waiting_; }
+
+ private:
+  struct Range {
+    std::uint32_t first = 0;
+    std::uint32_t count = 0;
+    bool alone = false;
+  };
+  struct Out {
+    Batch batch;
+    WorkerId worker{};
+    Time due;
+    std::uint64_t generation = 0;
+    std::uint32_t copies = 0;  // of this batch, made so far
+    bool alone = false;
+    bool lost = false;  // its worker is: not charged, but an answer still counts
+  };
+  struct Worker {
+    std::size_t out = 0;
+    bool alone = false;  // holds an isolated slot: gets nothing beside it
+  };
+
+  bool may_take(const Worker& worker, const Range& range) const;
+  void wait_again(const Out& out);
+  void push_waiting(std::uint32_t first, std::uint32_t count);
+  std::optional<Range> take_range(const Worker& worker, std::uint32_t most);
+  Batch send(Worker& worker, WorkerId id, const Range& range, Time due);
+  void discharge(const Out& out);
+  void settle_slot(std::uint32_t slot);
+  void drop_settled();
+
+  InFlightLimits limits_;
+  std::uint64_t generation_ = 0;
+  std::uint64_t next_batch_ = 1;
+  std::deque<Range> queue_;
+  std::map<BatchId, Out> out_;
+  std::map<WorkerId, Worker> workers_;
+  std::vector<bool> settled_;
+  std::vector<std::uint32_t> attempts_;
+  std::uint32_t unsettled_ = 0;
+  std::uint32_t waiting_ = 0;  // slots in queue_
+  bool doubled_ = false;       // a slot of this generation may be in two places: queue_ can hold settled ones
+};
+
+}  // namespace coppice

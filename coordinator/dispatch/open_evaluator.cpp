@@ -1,0 +1,38 @@
+#include "coordinator/dispatch/open_evaluator.hpp"
+
+#include "coordinator/dispatch/remote_evaluator.hpp"
+#include "coordinator/dispatch/serial_evaluator.hpp"
+
+namespace coppice {
+
+Result<std::unique_ptr<Evaluator>> open_evaluator(std::shared_ptr<const Chain> chain, const EvaluatorChoice& choice,
+                                                  const StopFlag& stop) {
+  constexpr std::uint32_t kDefaultRemoteDomain = 0;
+  if (choice.kind == EvaluatorChoice::Kind::serial) {
+    return SerialEvaluator::make(std::move(chain), stop);
+  }
+  RemoteOptions options;
+  options.domain = choice.domain;
+  options.wait_limit = choice.wait_limit;
+  if (choice.kind == EvaluatorChoice::Kind::remote) {
+    options.domain = choice.domain.value_or(kDefaultRemoteDomain);
+    options.interface = choice.interface;
+  } else {
+    options.local_workers = choice.workers;
+    options.worker_program = choice.worker_program;
+    if (choice.worker_program.empty()) {
+      auto program = find_worker_program();
+      if (!program) {
+        return tl::unexpected(program.error());
+      }
+      options.worker_program = std::move(*program);
+    }
+  }
+  auto evaluator = RemoteEvaluator::open(std::move(chain), std::move(options), stop);
+  if (!evaluator) {
+    return tl::unexpected(evaluator.error());
+  }
+  return std::unique_ptr<Evaluator>(std::move(*evaluator));
+}
+
+}  // namespace coppice

@@ -1,0 +1,113 @@
+// How a run of evolution is set up: everything that, with a chain, decides its result. Plain values; the defaults are
+// thesis Table III. Read from TOML files, changed by assignments on the command line, and kept in a study as JSON;
+// all three know the same keys (README.md lists them, thesis.toml has them all with their defaults).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/error.hpp"
+#include "common/fitness/job.hpp"
+#include "common/fitness/objective.hpp"
+#include "common/tree/random_tree.hpp"
+#include "common/tree/vocabulary.hpp"
+
+namespace coppice {
+
+inline constexpr std::uint32_t kMaxGenerations = 100'000;
+inline constexpr std::uint32_t kMaxPopulation = 1'000'000;
+inline constexpr double kMaxWeight = 1e6;
+inline constexpr double kMaxRuleScore = 1e6;
+
+// [ga]
+struct GaConfig {
+  std::uint32_t generations = 400;  // G
+  std::uint32_t population = 100;   // M
+  double tournament = 0.08;         // s, share of the population in one tournament; at least one individual
+  double crossover = 0.5;           // P_c, share of a generation that crossover makes
+  double mutation = 0.3;            // P_m, probability that a child is mutated
+  double headless_chicken = 0.1;    // P_hcc, probability that a mutation is a macro mutation
+  std::uint32_t max_depth = 3;      // D_d, edges
+  std::uint32_t max_children = 4;   // D_c
+  std::uint32_t elites = 1;         // individuals that pass unchanged; not in the thesis, 0 switches it off
+
+  TreeShape shape() const { return {max_depth, max_children}; }
+  bool operator==(const GaConfig&) const = default;
+};
+
+// [rollout]
+struct RolloutConfig {
+  std::uint32_t rollouts = 5;          // k
+  std::uint32_t steps = 100;           // t
+  std::uint32_t final_rollouts = 200;  // the fixed, larger sample on which the best of all generations is chosen
+  Acting acting = Acting::tree;
+  double policy_share = 0.0;  // acting mixed: probability, per step, that the RL policy acts
+  bool operator==(const RolloutConfig&) const = default;
+};
+
+// [[fitness.rule]], a rule of the shaped objective as text: "s3=3", "x<=2"
+struct RuleConfig {
+  std::vector<std::string> any_of;  // empty: holds in every state
+  std::int32_t right = 1;
+  std::int32_t wrong = 0;
+  bool operator==(const RuleConfig&) const = default;
+};
+
+// [fitness]: scalar = sum of weight x normalised objective, plus the size term (scalar_fitness.hpp)
+struct FitnessConfig {
+  double agreement = 1.0;  // weights; an objective of weight 0 is not evaluated
+  double q_value = 0.0;
+  double shaped = 0.0;
+  double coverage = 0.0;
+  double visits = 0.0;
+  double expected_return = 0.0;   // key "return"
+  double size_threshold = 0.9;    // the size term counts once agreement along the walk exceeds this
+  double size_nodes = 20.0;       // full size term at so many nodes or fewer
+  double size_weight = 1.0;       // 0 switches the size term off
+  std::vector<RuleConfig> rules;  // of the shaped objective; empty: thesis_rules()
+
+  double weight(ObjectiveKind kind) const;
+  bool operator==(const FitnessConfig&) const = default;
+};
+
+struct EvolveConfig {
+  std::uint64_t seed = 1;
+  GaConfig ga;
+  RolloutConfig rollout;
+  FitnessConfig fitness;
+  bool operator==(const EvolveConfig&) const = default;
+};
+
+// Changes `config` by a TOML file: keys that the file leaves out keep their value. Errors name file, line and key (or
+// line and column where it is not TOML), what was found and what was expected: an unknown key, a wrong type, a
+// value out of range. On error `config` is unchanged.
+Result<void> load_config(const std::string& path, EvolveConfig& config);
+
+// The same for text that is already read; `name` stands for the file in messages.
+Result<void> read_config(std::string_view toml, const std::string& name, EvolveConfig& config);
+
+// Changes one key: "ga.population=200", "rollout.acting=policy". Errors name the assignment as after "--set".
+Result<void> apply_setting(std::string_view assignment, EvolveConfig& config);
+
+// What can be checked only as a whole, or needs the vocabulary: elites fewer than the population, walks within
+// kMaxWalkedSteps, some weight above 0, rules that speak of this vocabulary. Call it after the last change.
+Result<void> check_config(const EvolveConfig& config, const Vocabulary& vocabulary);
+
+// One line of JSON with every key; config_from_json(to_json(c)) gives exactly c.
+std::string config_to_json(const EvolveConfig& config);
+Result<EvolveConfig> config_from_json(std::string_view json);
+
+// The objectives of weight above 0, in the order of ObjectiveKind. Errors: as check_config() for the rules.
+Result<std::vector<Objective>> objectives_of(const FitnessConfig& fitness, const Vocabulary& vocabulary);
+
+// The number that stands for the final sample in Job::generation; no generation has it.
+inline constexpr std::uint32_t kFinalGeneration = 0xFFFFFFFF;
+
+// What is asked of the individuals of a generation: config.rollout with config.seed; final_rollouts for
+// kFinalGeneration.
+Job job_of(const EvolveConfig& config, std::vector<Objective> objectives, std::uint32_t generation);
+
+}  // namespace coppice

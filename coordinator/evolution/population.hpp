@@ -1,0 +1,30 @@
+// Generations: the first from nothing, every other from the one before. A slot is an individual's index. Chance in
+// generation g is a pure function of (seed, g), and of the slot in generation 0.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/tree/tree.hpp"
+#include "coordinator/evolution/breeding.hpp"
+#include "coordinator/evolution/config.hpp"
+
+namespace coppice {
+
+std::vector<Tree> first_population(const Breeding& breeding, const GaConfig& ga, std::uint64_t seed);
+
+struct EvaluatedPopulation {
+  std::span<const Tree> trees;      // by slot
+  std::span<const double> fitness;  // by slot
+};
+
+// Generation `generation` >= 1 from the one before it: first the elites, unchanged; then the children of crossover, a
+// share P_c of the rest; then copies of tournament winners. Everyone but the elites is then mutated with
+// probability P_m. REQUIRES: parents.trees within the limits of `breeding`, ga.population of them.
+std::vector<Tree> next_population(const Breeding& breeding, const EvaluatedPopulation& parents, const GaConfig& ga,
+                                  std::uint64_t seed, std::uint32_t generation);
+
+std::size_t count_distinct(std::span<const Tree> trees);
+
+}  // namespace coppice

@@ -1,0 +1,113 @@
+#include "coordinator/learning/simulate.hpp"
+
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "common/chain/random.hpp"
+#include "common/check.hpp"
+#include "common/tree/tick.hpp"
+#include "coordinator/learning/room_map.hpp"
+#include "coordinator/learning/uav_room.hpp"
+#include "coordinator/learning/windy_grid.hpp"
+
+namespace coppice {
+namespace {
+
+constexpr ActionId kActionWhenUnknown{0};  // greedy on a row of zeros
+
+// What the simulator shows, seen from the chain: per observation code its features and the policy's action there.
+template <typename Simulator>
+class Observations {
+ public:
+  explicit Observations(const Chain& chain)
+      : width_(chain.vocabulary().features.size()), features_(Simulator::kCodes * width_), policy_(Simulator::kCodes) {
+    COPPICE_CHECK(chain.vocabulary() == Simulator::vocabulary());
+    for (std::uint32_t code = 0; code < Simulator::kCodes; ++code) {
+      Simulator::features_of(code, std::span(features_).subspan(code * width_, width_));
+    }
+    for (std::size_t state = 0; state < chain.states(); ++state) {
+      policy_[Simulator::code_of(chain.features_of(state))] = chain.policy(state);
+    }
+  }
+
+  std::span<const std::uint8_t> features(std::uint32_t code) const {
+    return std::span(features_).subspan(code * width_, width_);
+  }
+  // Nothing where the chain does not know the state.
+  std::optional<ActionId> policy(std::uint32_t code) const { return policy_[code]; }
+
+ private:
+  std::size_t width_;
+  std::vector<std::uint8_t> features_;           // [codes x features]
+  std::vector<std::optional<ActionId>> policy_;  // [codes]
+};
+
+// Controller: (code) -> the action that it takes, or kNoAction.
+template <typename Simulator, typename Controller>
+std::vector<EpisodeRecord> run_episodes(Simulator simulator, const Observations<Simulator>& observations,
+                                        const SimulateSettings& settings, const Controller& controller) {
+  std::vector<EpisodeRecord> records;
+  records.reserve(settings.episodes);
+  for (std::uint64_t episode = 0; episode < settings.episodes; ++episode) {
+    Stream random(settings.seed, Purpose::simulating, static_cast<std::uint32_t>(episode >> 32U),
+                  static_cast<std::uint32_t>(episode));
+    EpisodeRecord record;
+    simulator.reset();
+    bool ended = false;
+    while (record.steps < settings.steps && !ended) {
+      const std::uint32_t code = simulator.code();
+      const ActionId action = controller(code);
+      const std::optional<ActionId> expected = observations.policy(code);
+      ++record.steps;
+      record.unknown += expected ? 0 : 1;
+      record.matches += expected && action == *expected ? 1 : 0;
+      if (action == kNoAction) {
+        continue;
+      }
+      const Outcome outcome = simulator.step(static_cast<std::uint32_t>(index_of(action)), random);
+      record.reward += outcome.reward;
+      record.collisions += outcome.collided ? 1 : 0;
+      ended = outcome.ended;
+    }
+    records.push_back(record);
+  }
+  return records;
+}
+
+// tree: nullptr for the policy itself.
+template <typename Simulator>
+std::vector<EpisodeRecord> simulate_in(const Simulator& simulator, const Chain& chain, const Tree* tree,
+                                       const SimulateSettings& settings) {
+  const Observations<Simulator> observations(chain);
+  if (tree != nullptr) {
+    COPPICE_CHECK(check_tree(*tree, chain.vocabulary()).has_value());
+    return run_episodes(simulator, observations, settings,
+                        [&](std::uint32_t code) { return tick(*tree, observations.features(code)); });
+  }
+  return run_episodes(simulator, observations, settings,
+                      [&](std::uint32_t code) { return observations.policy(code).value_or(kActionWhenUnknown); });
+}
+
+std::vector<EpisodeRecord> simulate(const World& world, const Chain& chain, const Tree* tree,
+                                    const SimulateSettings& settings) {
+  if (world.kind == WorldKind::windy) {
+    return simulate_in(WindyGrid(), chain, tree, settings);
+  }
+  const auto map = parse_room(world.room);
+  COPPICE_CHECK(map.has_value());
+  return simulate_in(UavRoom(*map), chain, tree, settings);
+}
+
+}  // namespace
+
+std::vector<EpisodeRecord> simulate_tree(const World& world, const Chain& chain, const Tree& tree,
+                                         const SimulateSettings& settings) {
+  return simulate(world, chain, &tree, settings);
+}
+
+std::vector<EpisodeRecord> simulate_policy(const World& world, const Chain& chain, const SimulateSettings& settings) {
+  return simulate(world, chain, nullptr, settings);
+}
+
+}  // namespace coppice

@@ -1,0 +1,78 @@
+#include "coordinator/learning/world.hpp"
+
+#include <fmt/format.h>
+#include <fstream>
+
+#include "coordinator/learning/default_room.hpp"
+#include "coordinator/learning/room_map.hpp"
+#include "coordinator/learning/uav_room.hpp"
+#include "coordinator/learning/windy_grid.hpp"
+
+namespace coppice {
+namespace {
+
+// A room of the largest size with CR LF line ends, and as much again for blank lines at the end.
+constexpr std::size_t kMaxRoomBytes = 2 * kMaxRoomSide * (kMaxRoomSide + 2);
+
+Result<std::string> read_room_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    return bad_input(
+        fmt::format("world '{}': cannot open: expected \"uav\", \"windy\" or the path of a .room file", path));
+  }
+  std::string text(kMaxRoomBytes + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (file.bad() || (file.fail() && !file.eof())) {
+    return bad_input(fmt::format("world '{}': cannot be read: expected a .room file", path));
+  }
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.size() > kMaxRoomBytes) {
+    return bad_input(fmt::format("{}: more than {} bytes: expected a room of at most {} x {} cells", path,
+                                 kMaxRoomBytes, kMaxRoomSide, kMaxRoomSide));
+  }
+  return text;
+}
+
+}  // namespace
+
+Result<World> load_world(const std::string& name_or_path) {
+  if (name_or_path == name_of(WorldKind::uav)) {
+    return World{WorldKind::uav, std::string(default_room())};
+  }
+  if (name_or_path == name_of(WorldKind::windy)) {
+    return World{WorldKind::windy, {}};
+  }
+  auto text = read_room_file(name_or_path);
+  if (!text) {
+    return tl::unexpected(text.error());
+  }
+  auto world = make_world(name_of(WorldKind::uav), *text);
+  if (!world) {
+    return in_context(name_or_path, world.error());
+  }
+  return world;
+}
+
+Result<World> make_world(const std::string& kind, const std::string& room) {
+  if (kind == name_of(WorldKind::windy)) {
+    if (!room.empty()) {
+      return bad_input(fmt::format("world 'windy': a map of {} bytes: expected none", room.size()));
+    }
+    return World{WorldKind::windy, {}};
+  }
+  if (kind != name_of(WorldKind::uav)) {
+    return bad_input(fmt::format("world kind '{}': expected \"uav\" or \"windy\"", kind));
+  }
+  if (auto map = parse_room(room); !map) {
+    return tl::unexpected(map.error());
+  }
+  return World{WorldKind::uav, room};
+}
+
+std::string name_of(WorldKind kind) { return kind == WorldKind::uav ? "uav" : "windy"; }
+
+Vocabulary vocabulary_of(const World& world) {
+  return world.kind == WorldKind::uav ? UavRoom::vocabulary() : WindyGrid::vocabulary();
+}
+
+}  // namespace coppice

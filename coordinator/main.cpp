@@ -1,0 +1,101 @@
+// The program `coppice`: composes the parts, reads the command line, and turns the outcome into an exit code:
+// 0 done, 1 failed or interrupted, 2 wrong use.
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fmt/format.h>
+#include <iostream>
+#include <string>
+#include <system_error>
+
+#include "common/stop.hpp"
+#include "common/version.hpp"
+#include "coordinator/commands/commands.hpp"
+#include "coordinator/report/printable.hpp"
+
+namespace {
+
+using coppice::Error;
+using coppice::ErrorKind;
+using coppice::Result;
+
+constexpr int kExitFailed = 1;
+constexpr int kExitWrongUse = 2;
+
+int complain(const std::string& message, int exit_code) {
+  fmt::print(stderr, "coppice: {}\n", coppice::printable(message));
+  return exit_code;
+}
+
+// The worker program is installed, and built, beside this one.
+std::filesystem::path beside_this_program(const char* name) {
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  return error ? std::filesystem::path(name) : self.parent_path() / name;
+}
+
+// "coppice", or "coppice evolve" once the command line got that far.
+std::string spoken_to(const CLI::App& app) {
+  const auto chosen = app.get_subcommands();
+  return chosen.empty() ? "coppice" : "coppice " + chosen.front()->get_name();
+}
+
+// What was printed must have arrived: a full disk behind `> table.csv` is a failure.
+Result<void> flush_output() {
+  std::cout.flush();
+  if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    return coppice::failed(fmt::format("cannot write standard output: {}", std::generic_category().message(errno)));
+  }
+  return {};
+}
+
+int run(int argc, char** argv) {
+  coppice::block_stop_signals();
+  coppice::StopFlag stop;
+  const coppice::StopOnSignals on_signals(stop);
+  coppice::Invocation invocation{stop, beside_this_program("coppice-worker"), {}};
+
+  CLI::App app("Grows small behaviour trees that do what a learned policy does.", "coppice");
+  app.set_version_flag("--version", fmt::format("coppice {}", coppice::kVersion));
+  app.require_subcommand(1);
+  app.footer("'coppice COMMAND --help' explains a command. To begin: coppice run");
+  coppice::add_run(app, invocation);
+  coppice::add_learn(app, invocation);
+  coppice::add_evolve(app, invocation);
+  coppice::add_score(app, invocation);
+  coppice::add_prune(app, invocation);
+  coppice::add_draw(app, invocation);
+  coppice::add_table(app, invocation);
+  coppice::add_evaluate(app, invocation);
+  coppice::add_info(app, invocation);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& shown) {  // --help, --version
+    app.exit(shown);
+    const Result<void> flushed = flush_output();
+    return flushed ? 0 : complain(flushed.error().message, kExitFailed);
+  } catch (const CLI::ParseError& error) {
+    return complain(fmt::format("{} (see {} --help)", error.what(), spoken_to(app)), kExitWrongUse);
+  }
+  Result<void> done = invocation.chosen();
+  if (done) {
+    done = flush_output();
+  }
+  if (!done) {
+    std::fflush(stdout);
+    return complain(done.error().message, done.error().kind == ErrorKind::bad_input ? kExitWrongUse : kExitFailed);
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    return complain(error.what(), kExitFailed);
+  }
+}

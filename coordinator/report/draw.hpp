@@ -1,0 +1,27 @@
+// Trees as pictures, by Graphviz (https://graphviz.org): conditions are ellipses, actions are boxes, a sequence is
+// labelled with an arrow and a selector with a question mark, as in the figures of the thesis.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "common/error.hpp"
+#include "common/tree/tree.hpp"
+#include "common/tree/vocabulary.hpp"
+
+namespace coppice {
+
+// The tree in Graphviz' DOT language, UTF-8. REQUIRES: check_tree(tree, vocabulary).
+std::string to_dot(const Tree& tree, const Vocabulary& vocabulary);
+
+// The format that an extension asks for. Errors name the three that exist.
+enum class DrawingFormat : std::uint8_t { dot, svg, png };
+Result<DrawingFormat> drawing_format(const std::filesystem::path& path);
+
+// Writes the drawing in the format of the path's extension; .svg and .png are drawn by Graphviz' program `dot`, found
+// on PATH. Errors: an extension that is none of the three (bad_input); `dot` is missing or fails; the file cannot
+// be written. The file appears whole or not at all. REQUIRES: check_tree(tree, vocabulary).
+Result<void> write_drawing(const Tree& tree, const Vocabulary& vocabulary, const std::filesystem::path& path);
+
+}  // namespace coppice

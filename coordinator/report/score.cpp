@@ -1,0 +1,201 @@
+#include "coordinator/report/score.hpp"
+
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "common/check.hpp"
+#include "common/tree/action_table.hpp"
+#include "common/tree/simplify.hpp"
+#include "common/tree/state_columns.hpp"
+#include "common/tree/text.hpp"
+
+namespace coppice {
+namespace {
+
+constexpr double kNormal95 = 1.96;  // the 97.5 % quantile of the standard normal distribution
+constexpr std::uint64_t kMostEpisodes = 100'000'000;
+constexpr std::uint32_t kMostSteps = 1'000'000;
+
+std::size_t matching_states(const Chain& chain, const Tree& tree, const StateColumns& columns) {
+  const std::vector<ActionId> table = action_table(tree, columns);
+  std::size_t matching = 0;
+  for (std::size_t state = 0; state < table.size(); ++state) {
+    matching += table[state] == chain.policy(state) ? 1U : 0U;
+  }
+  return matching;
+}
+
+std::string percent(double share) { return fmt::format("{:.1f} %", 100.0 * share); }
+
+std::string percent(const Estimate& estimate) {
+  return fmt::format("{:.1f} % +- {:.1f}", 100.0 * estimate.mean, 100.0 * estimate.margin);
+}
+
+std::string number(const Estimate& estimate) { return fmt::format("{:.1f} +- {:.1f}", estimate.mean, estimate.margin); }
+
+struct Row {
+  std::string name;
+  std::array<std::string, 3> ours;              // policy, tree, pruned tree
+  std::array<std::string_view, 3> thesis = {};  // Q-learning, BT, BT adjusted; empty: not printed there
+};
+
+nlohmann::ordered_json json_of(const Estimate& estimate) {
+  return {{"mean", estimate.mean}, {"margin", estimate.margin}};
+}
+
+nlohmann::ordered_json json_of(const ControllerScore& controller, std::size_t states) {
+  return {{"matching_states", controller.matching_states},
+          {"agreement_over_states", static_cast<double>(controller.matching_states) / static_cast<double>(states)},
+          {"agreement", json_of(controller.agreement)},
+          {"reward", json_of(controller.reward)},
+          {"collisions_per_episode", json_of(controller.collisions)},
+          {"collisions", controller.total_collisions},
+          {"steps", controller.steps},
+          {"unknown_steps", controller.unknown_steps}};
+}
+
+}  // namespace
+
+Estimate estimate(const std::vector<double>& samples) {
+  COPPICE_CHECK(!samples.empty());
+  const auto n = static_cast<double>(samples.size());
+  double sum = 0.0;
+  for (const double sample : samples) {
+    sum += sample;
+  }
+  const double mean = sum / n;
+  if (samples.size() == 1) {
+    return {mean, 0.0};
+  }
+  double squares = 0.0;
+  for (const double sample : samples) {
+    squares += (sample - mean) * (sample - mean);
+  }
+  return {mean, kNormal95 * std::sqrt(squares / (n - 1.0) / n)};
+}
+
+ControllerScore controller_score(const std::vector<EpisodeRecord>& episodes) {
+  ControllerScore score;
+  score.episodes = episodes.size();
+  std::vector<double> agreement;
+  std::vector<double> reward;
+  std::vector<double> collisions;
+  for (const EpisodeRecord& episode : episodes) {
+    score.steps += episode.steps;
+    score.total_collisions += episode.collisions;
+    score.unknown_steps += episode.unknown;
+    // An episode that ended before its first step has nothing to disagree about.
+    agreement.push_back(episode.steps == 0 ? 1.0 : static_cast<double>(episode.matches) / episode.steps);
+    reward.push_back(episode.reward);
+    collisions.push_back(episode.collisions);
+  }
+  score.agreement = estimate(agreement);
+  score.reward = estimate(reward);
+  score.collisions = estimate(collisions);
+  return score;
+}
+
+Result<Score> score_tree(const World& world, const Chain& chain, const Tree& tree, const SimulateSettings& settings) {
+  if (settings.episodes < 1 || settings.episodes > kMostEpisodes) {
+    return bad_input(fmt::format("--episodes is {}: expected 1 to {}", settings.episodes, kMostEpisodes));
+  }
+  if (settings.steps < 1 || settings.steps > kMostSteps) {
+    return bad_input(fmt::format("--steps is {}: expected 1 to {}", settings.steps, kMostSteps));
+  }
+  if (chain.vocabulary() != vocabulary_of(world)) {
+    return bad_input("the chain's features and actions are not those of its world: nothing can be simulated");
+  }
+  const Vocabulary& vocabulary = chain.vocabulary();
+  const StateColumns columns(vocabulary, chain.parts().features);
+  const Simplified pruned = simplify(tree, vocabulary, columns);
+
+  Score score;
+  score.world = world.kind;
+  score.settings = settings;
+  score.states = chain.states();
+  score.entries = chain.states() * chain.actions();
+  score.nodes = tree.size();
+  score.nodes_sound = simplify(tree, vocabulary).tree.size();
+  score.nodes_pruned = pruned.tree.size();
+  score.tree_text = to_text(tree, vocabulary);
+  score.pruned_text = to_text(pruned.tree, vocabulary);
+  score.policy = controller_score(simulate_policy(world, chain, settings));
+  score.policy.matching_states = chain.states();
+  score.tree = controller_score(simulate_tree(world, chain, tree, settings));
+  score.tree.matching_states = matching_states(chain, tree, columns);
+  score.pruned = controller_score(simulate_tree(world, chain, pruned.tree, settings));
+  score.pruned.matching_states = matching_states(chain, pruned.tree, columns);
+  return score;
+}
+
+std::string to_text(const Score& score) {
+  const std::array<const ControllerScore*, 3> controllers = {&score.policy, &score.tree, &score.pruned};
+  const auto ours = [&](const auto& text_of) {
+    std::array<std::string, 3> cells;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      cells[i] = text_of(*controllers[i]);
+    }
+    return cells;
+  };
+  const auto over_states = [&](const ControllerScore& c) {
+    return percent(static_cast<double>(c.matching_states) / static_cast<double>(score.states));
+  };
+  const std::string_view policy_name = "policy";
+  const bool thesis = score.world == WorldKind::uav;
+  const std::array<Row, 7> rows = {{
+      {"", {std::string(policy_name), "tree", "pruned tree"}, {"Q-learning", "BT", "BT adjusted"}},
+      {"agreement over all states", ours(over_states), {"100 %", "66 %", "86 %"}},
+      {"agreement in simulation",
+       ours([](const ControllerScore& c) { return percent(c.agreement); }),
+       {"100 %", "93 %", "96 %"}},
+      {"reward per episode", ours([](const ControllerScore& c) { return number(c.reward); }), {"283", "248", "266"}},
+      {"representation",
+       {fmt::format("{} entries", score.entries), fmt::format("{} nodes", score.nodes),
+        fmt::format("{} nodes", score.nodes_pruned)},
+       {"3123 entries", "6 nodes", "20 nodes"}},
+      {"collisions", ours([](const ControllerScore& c) {
+         return fmt::format("{} ({:.3f} an episode)", c.total_collisions, c.collisions.mean);
+       })},
+      {"steps in unknown states",
+       ours([](const ControllerScore& c) { return fmt::format("{} of {}", c.unknown_steps, c.steps); })},
+  }};
+  std::string text = fmt::format("Table IV: {} episodes of {} steps, seed {}, {} states; +- is a 95 % interval\n",
+                                 score.settings.episodes, score.settings.steps, score.settings.seed, score.states);
+  if (thesis) {
+    text += fmt::format("{:<26}  {:<66} | {}\n", "", "this study", "the thesis");
+  }
+  for (const Row& row : rows) {
+    std::string line = fmt::format("{:<26}  {:<22}{:<22}{:<22}", row.name, row.ours[0], row.ours[1], row.ours[2]);
+    if (thesis) {
+      line += fmt::format(" | {:<14}{:<9}{}", row.thesis[0], row.thesis[1], row.thesis[2]);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + '\n';
+  }
+  text +=
+      fmt::format("nodes: {} as evolved, {} after pruning that holds in every state, {} after pruning on the chain\n",
+                  score.nodes, score.nodes_sound, score.nodes_pruned);
+  return text;
+}
+
+std::string to_json(const Score& score) {
+  const nlohmann::ordered_json json = {
+      {"world", name_of(score.world)},
+      {"episodes", score.settings.episodes},
+      {"steps_per_episode", score.settings.steps},
+      {"seed", score.settings.seed},
+      {"states", score.states},
+      {"entries", score.entries},
+      {"policy", json_of(score.policy, score.states)},
+      {"tree", json_of(score.tree, score.states)},
+      {"pruned", json_of(score.pruned, score.states)},
+      {"nodes", {{"tree", score.nodes}, {"sound", score.nodes_sound}, {"pruned", score.nodes_pruned}}},
+      {"tree_text", score.tree_text},
+      {"pruned_text", score.pruned_text},
+  };
+  return json.dump();
+}
+
+}  // namespace coppice

@@ -1,0 +1,66 @@
+// Thesis Table IV: how far a tree does what the learned policy does, over all states and in the simulator, and what it
+// earns there. Margins are 95 % confidence intervals of the mean over episodes by the normal approximation,
+// mean +- 1.96 s / sqrt(n), with s the sample standard deviation (n - 1) of the n episodes; an episode is one sample,
+// since steps of one episode depend on each other.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/chain/chain.hpp"
+#include "common/error.hpp"
+#include "common/tree/tree.hpp"
+#include "coordinator/learning/simulate.hpp"
+#include "coordinator/learning/world.hpp"
+
+namespace coppice {
+
+struct Estimate {
+  double mean = 0.0;
+  double margin = 0.0;  // half the width of the interval; 0 for a single sample
+};
+
+// REQUIRES: samples not empty.
+Estimate estimate(const std::vector<double>& samples);
+
+struct ControllerScore {
+  std::size_t matching_states = 0;  // of Score::states, where the action is the policy's
+  std::uint64_t episodes = 0;
+  std::uint64_t steps = 0;  // taken in all episodes
+  Estimate agreement;       // share of an episode's steps, in [0, 1]
+  Estimate reward;          // per episode
+  Estimate collisions;      // per episode
+  std::uint64_t total_collisions = 0;
+  std::uint64_t unknown_steps = 0;  // in states that the chain does not know
+};
+
+struct Score {
+  WorldKind world = WorldKind::uav;
+  SimulateSettings settings;
+  std::size_t states = 0;
+  std::size_t entries = 0;       // of the Q-table: states x actions
+  ControllerScore policy;        // the learned policy itself
+  ControllerScore tree;          // the tree as it was given
+  ControllerScore pruned;        // the tree pruned on the chain's states
+  std::size_t nodes = 0;         // of the tree as it was given
+  std::size_t nodes_sound = 0;   // after simplify() that holds in every possible state
+  std::size_t nodes_pruned = 0;  // after simplify() that holds in the chain's states
+  std::string tree_text;
+  std::string pruned_text;
+};
+
+// Sums up the episodes of one controller. REQUIRES: episodes not empty.
+ControllerScore controller_score(const std::vector<EpisodeRecord>& episodes);
+
+// Simulates the policy, the tree and the pruned tree. Errors: settings out of range (names the flag); the chain's
+// vocabulary is not the world's. REQUIRES: check_tree() for the chain's vocabulary.
+Result<Score> score_tree(const World& world, const Chain& chain, const Tree& tree, const SimulateSettings& settings);
+
+// Lines of text; beside ours the figures that the thesis prints, when the world is a room.
+std::string to_text(const Score& score);
+// One JSON object on one line.
+std::string to_json(const Score& score);
+
+}  // namespace coppice

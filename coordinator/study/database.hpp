@@ -1,0 +1,39 @@
+// The SQLite side of a study: its schema, how a connection is opened, and what a failure of SQLite says to a user.
+// Exceptions of the wrapper library end here.
+#pragma once
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <string>
+#include <utility>
+
+#include "common/error.hpp"
+
+namespace coppice {
+
+// Names the file, what went wrong and, where there is something to do, what. Foreign or damaged: bad_input.
+Error error_of(const std::string& path, const SQLite::Exception& exception);
+
+// What a file that is not as its writer left it gets.
+Error damaged(const std::string& path, const std::string& what);
+
+// f() with SQLite's exceptions as errors that name the file. f returns a Result.
+template <typename F>
+auto guarded(const std::string& path, F&& f) -> decltype(f()) {
+  try {
+    return std::forward<F>(f)();
+  } catch (const SQLite::Exception& exception) {
+    return tl::unexpected(error_of(path, exception));
+  }
+}
+
+// An empty study in a new file: tables, application id, schema version. Throws SQLite::Exception.
+SQLite::Database create_database(const std::string& path);
+
+// Opens what create_database() made. Errors: as Study::open(), the content of the tables aside. May throw
+// SQLite::Exception.
+Result<SQLite::Database> open_database(const std::string& path, bool write);
+
+// Back to a single file, if no other process has it open. Never throws.
+void settle(SQLite::Database& database) noexcept;
+
+}  // namespace coppice

@@ -1,0 +1,181 @@
+#include "coordinator/study/study.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <unistd.h>
+
+#include "coordinator/study/database.hpp"
+#include "coordinator/study/study_state.hpp"
+
+namespace coppice {
+namespace {
+
+constexpr std::size_t kMaxChainBytes = 1'000'000'000;  // SQLite's default limit for one value
+
+// A file under its temporary name; gone with this object unless it was published.
+class Draft {
+ public:
+  explicit Draft(const std::string& target) : target_(target), path_(fmt::format("{}.new-{}", target, ::getpid())) {
+    remove();
+  }
+  Draft(const Draft&) = delete;
+  Draft& operator=(const Draft&) = delete;
+  ~Draft() { remove(); }
+
+  const std::string& path() const { return path_; }
+
+  // Gives the file its name, in one step and only if the name is free.
+  Result<void> publish() {
+    int error = ::renameat2(AT_FDCWD, path_.c_str(), AT_FDCWD, target_.c_str(), RENAME_NOREPLACE) == 0 ? 0 : errno;
+    if (error == EINVAL || error == ENOSYS) {  // a file system without this flag: a hard link does not replace either
+      error = ::link(path_.c_str(), target_.c_str()) == 0 ? 0 : errno;
+    }
+    if (error == EEXIST) {
+      return exists(target_);
+    }
+    if (error != 0) {
+      return failed(fmt::format("{}: cannot be written: {}", target_, std::strerror(error)));
+    }
+    sync_folder();
+    return {};
+  }
+
+  static tl::unexpected<Error> exists(const std::string& target) {
+    return bad_input(fmt::format("{}: exists already: expected a new file, a study is never overwritten", target));
+  }
+
+ private:
+  void remove() const {
+    std::remove(path_.c_str());
+    std::remove((path_ + "-journal").c_str());
+  }
+
+  // So that the new name survives a power cut; where it cannot be done, the file itself is still whole.
+  void sync_folder() const {
+    const std::string folder = std::filesystem::path(target_).parent_path().string();
+    const int fd = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd >= 0) {
+      ::fsync(fd);
+      ::close(fd);
+    }
+  }
+
+  std::string target_;
+  std::string path_;
+};
+
+Result<void> check_json_object(const char* what, const std::string& text) {
+  if (!nlohmann::json::parse(text, nullptr, false).is_object()) {
+    return bad_input(fmt::format("{} is not a JSON object", what));
+  }
+  return {};
+}
+
+Result<void> check_target(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::exists(std::filesystem::symlink_status(path, error))) {
+    return Draft::exists(path);
+  }
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder, error)) {
+    return bad_input(fmt::format("{}: there is no folder {}", path, folder.string()));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Study> Study::create(const std::string& path, const Chain& chain, const StudyWorld& world,
+                            const StudyLearning& learning) {
+  for (const auto& ok : {check_target(path), check_json_object("learning.settings", learning.settings),
+                         check_json_object("learning.outcome", learning.outcome)}) {
+    if (!ok) {
+      return tl::unexpected(ok.error());
+    }
+  }
+  const std::vector<std::uint8_t> bytes = to_bytes(chain);
+  if (bytes.size() > kMaxChainBytes) {
+    return failed(
+        fmt::format("{}: the chain takes {} bytes: a study holds at most {}", path, bytes.size(), kMaxChainBytes));
+  }
+  Draft draft(path);
+  auto written = guarded(path, [&]() -> Result<void> {
+    SQLite::Database database = create_database(draft.path());
+    SQLite::Statement insert(database,
+                             "INSERT INTO study VALUES(1, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'), ?, ?, ?, ?, ?, ?)");
+    insert.bind(1, hash_of(bytes).hex());
+    insert.bindNoCopy(2, bytes.data(), static_cast<int>(bytes.size()));
+    insert.bind(3, world.kind);
+    insert.bind(4, world.room);
+    insert.bind(5, learning.settings);
+    insert.bind(6, learning.outcome);
+    insert.exec();
+    return {};
+  });
+  if (!written) {
+    return tl::unexpected(written.error());
+  }
+  if (auto ok = draft.publish(); !ok) {
+    return tl::unexpected(ok.error());
+  }
+  return open(path, Access::write);
+}
+
+Result<Study> Study::open(const std::string& path, Access access) {
+  return guarded(path, [&]() -> Result<Study> {
+    auto database = open_database(path, access == Access::write);
+    if (!database) {
+      return tl::unexpected(database.error());
+    }
+    SQLite::Statement select(
+        *database, "SELECT chain, chain_hash, world_kind, world_room, learn_settings, learn_outcome FROM study");
+    if (!select.executeStep()) {
+      return tl::unexpected(damaged(path, "it holds no chain"));
+    }
+    const SQLite::Column blob = select.getColumn(0);
+    const std::span<const std::uint8_t> bytes(static_cast<const std::uint8_t*>(blob.getBlob()),
+                                              static_cast<std::size_t>(blob.getBytes()));
+    const ChainHash hash = hash_of(bytes);
+    if (hash.hex() != select.getColumn(1).getString()) {
+      return tl::unexpected(damaged(
+          path, fmt::format("the chain hashes to {}: expected {}", hash.hex(), select.getColumn(1).getString())));
+    }
+    auto chain = chain_from_bytes(bytes);
+    if (!chain) {
+      return tl::unexpected(damaged(path, "chain: " + chain.error().message));
+    }
+    StudyWorld world{select.getColumn(2).getString(), select.getColumn(3).getString()};
+    StudyLearning learning{select.getColumn(4).getString(), select.getColumn(5).getString()};
+    select.reset();
+    return Study(std::unique_ptr<State>(
+        new State{path, access, std::move(*database), std::move(*chain), hash, std::move(world), std::move(learning)}));
+  });
+}
+
+Study::Study(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Study::Study(Study&&) noexcept = default;
+
+Study& Study::operator=(Study&& other) noexcept {
+  std::swap(state_, other.state_);
+  return *this;
+}
+
+Study::~Study() {
+  if (state_ && state_->access == Access::write) {
+    settle(state_->database);
+  }
+}
+
+const std::string& Study::path() const { return state_->path; }
+const Chain& Study::chain() const { return state_->chain; }
+const ChainHash& Study::chain_hash() const { return state_->chain_hash; }
+const StudyWorld& Study::world() const { return state_->world; }
+const StudyLearning& Study::learning() const { return state_->learning; }
+
+}  // namespace coppice

@@ -1,0 +1,128 @@
+// A study: one SQLite file that holds a chain, the world and the settings that it was learned with, and every run of
+// evolution on it with statistics and a checkpoint for each generation. A Study owns the open file. Invariant:
+// whatever the file holds was complete when it was written: it appears under its name finished, and each generation
+// comes in one transaction, so kill -9 or a crash loses at most the generation under way (a power cut: the
+// last few). One thread at a time; several processes may have the same file open.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/chain/chain.hpp"
+#include "common/chain/chain_bytes.hpp"
+#include "common/error.hpp"
+#include "common/tree/tree.hpp"
+#include "coordinator/evolution/evolve.hpp"
+
+namespace coppice {
+
+inline constexpr std::chrono::milliseconds kBusyTimeout{10'000};  // how long to wait while another process writes
+
+enum class RunId : std::int64_t {};  // from 1, in order of start
+
+enum class RunStatus : std::uint8_t { running, finished, interrupted, failed };
+std::string_view name_of(RunStatus status);
+
+// What make_world() takes (coordinator/learning/world.hpp).
+struct StudyWorld {
+  std::string kind;
+  std::string room;
+  bool operator==(const StudyWorld&) const = default;
+};
+
+// How the chain came about: two JSON objects, kept as they are given.
+struct StudyLearning {
+  std::string settings = "{}";
+  std::string outcome = "{}";
+  bool operator==(const StudyLearning&) const = default;
+};
+
+struct NewRun {
+  EvolveConfig config;
+  std::string evaluator;  // in words: "serial", "2 local workers"
+};
+
+// What a run ended with.
+struct RunOutcome {
+  RunStatus status = RunStatus::finished;  // not running
+  std::optional<Tree> tree;                // as evolved
+  std::optional<Tree> pruned;
+  std::string json = "{}";  // anything else worth keeping: a JSON object
+};
+
+struct RunRecord {
+  RunId id{};
+  EvolveConfig config;
+  std::string evaluator;
+  RunStatus status = RunStatus::running;
+  bool abandoned = false;         // running, but the process that ran it is gone: it can be resumed
+  std::string started;            // UTC, 2016-11-09T12:34:56Z
+  std::string ended;              // empty while running
+  std::uint32_t generations = 0;  // saved
+  std::optional<Tree> tree;
+  std::optional<Tree> pruned;
+  std::string json = "{}";
+};
+
+struct ResumedRun {
+  EvolveConfig config;
+  std::optional<Checkpoint> checkpoint;  // none: not one generation was saved, start from the first
+};
+
+class Study {
+ public:
+  enum class Access : std::uint8_t { read, write };
+
+  // Makes a new file; under `path` it appears only when it is complete. Errors: path exists (bad_input), a folder
+  // that does not exist or cannot be written, a full disk, learning that is not JSON.
+  static Result<Study> create(const std::string& path, const Chain& chain, const StudyWorld& world,
+                              const StudyLearning& learning);
+
+  // Errors, each naming the file: it does not exist, is not an SQLite database, is one but not a study, was written
+  // by a newer version, is damaged. With Access::read nothing is written, and the calls below that write fail.
+  static Result<Study> open(const std::string& path, Access access = Access::write);
+
+  Study(Study&&) noexcept;
+  Study& operator=(Study&&) noexcept;
+  ~Study();  // leaves one file, without journals, unless another process has it open
+
+  const std::string& path() const;
+  const Chain& chain() const;
+  const ChainHash& chain_hash() const;
+  const StudyWorld& world() const;
+  const StudyLearning& learning() const;
+
+  // A new run, status running, owned by this process.
+  Result<RunId> begin_run(const NewRun& run);
+
+  // Takes over a run that is not finished. Errors: no such run; it is finished; the process that runs it is alive; or
+  // it ran on another host (its state cannot be seen from here), unless take_over says that the user knows better.
+  Result<ResumedRun> resume_run(RunId run, bool take_over = false);
+
+  // One transaction: the statistics row and the checkpoint, which replaces the one before.
+  // REQUIRES: the run is this process's, record.generation == checkpoint.generation.
+  Result<void> save_generation(RunId run, const GenerationRecord& record, const Checkpoint& checkpoint);
+
+  Result<void> finish_run(RunId run, const RunOutcome& outcome);
+
+  Result<std::vector<RunRecord>> runs() const;  // by id
+  Result<RunRecord> run(RunId run) const;       // error (bad_input): no such run; says which there are
+  Result<std::optional<RunRecord>> last_run() const;
+  Result<std::vector<GenerationRecord>> generations(RunId run) const;
+  Result<std::optional<Checkpoint>> load_checkpoint(RunId run) const;
+
+  // The run's result, or, while it has none, the best champion so far. Error (bad_input): not one generation was saved.
+  Result<Tree> best_tree(RunId run) const;
+
+ private:
+  struct State;
+  explicit Study(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace coppice

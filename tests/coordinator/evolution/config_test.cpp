@@ -1,0 +1,238 @@
+#include "coordinator/evolution/config.hpp"
+
+#include <fstream>
+#include <gtest/gtest.h>
+#include <iterator>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "tests/coordinator/evolution/small_world.hpp"
+
+namespace coppice {
+namespace {
+
+using testing::small_vocabulary;
+
+const std::string kThesisFile = std::string(COPPICE_SOURCE_DIR) + "/coordinator/evolution/thesis.toml";
+
+EvolveConfig unusual_config() {
+  EvolveConfig config;
+  config.seed = std::numeric_limits<std::uint64_t>::max();
+  config.ga = {7, 8, 0.1, 1.0 / 3.0, 0.7, 1e-17, 9, 2, 0};
+  config.rollout = {11, 12, 13, Acting::mixed, 0.123456789012345678};
+  config.fitness = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 8.5, 0.9, {{{"a=0", "d<=2"}, 8, -4}, {{}, 1, 0}}};
+  return config;
+}
+
+TEST(Config, DefaultsAreTableIIIOfTheThesis) {
+  const EvolveConfig config;
+  EXPECT_EQ(config.ga.generations, 400U);
+  EXPECT_EQ(config.ga.population, 100U);
+  EXPECT_EQ(config.ga.tournament, 0.08);
+  EXPECT_EQ(config.ga.crossover, 0.5);
+  EXPECT_EQ(config.ga.mutation, 0.3);
+  EXPECT_EQ(config.ga.headless_chicken, 0.1);
+  EXPECT_EQ(config.ga.max_depth, 3U);
+  EXPECT_EQ(config.ga.max_children, 4U);
+  EXPECT_EQ(config.rollout.rollouts, 5U);
+  EXPECT_EQ(config.rollout.steps, 100U);
+  EXPECT_EQ(config.rollout.acting, Acting::tree);
+}
+
+TEST(Config, TheExampleFileStatesTheDefaults) {
+  EvolveConfig config = unusual_config();
+  config.fitness.rules.clear();
+  const auto ok = load_config(kThesisFile, config);
+  ASSERT_TRUE(ok.has_value()) << ok.error().message;
+  EXPECT_EQ(config, EvolveConfig{}) << "a key is missing from the file, or is not at its default";
+}
+
+TEST(Config, TheRulesInTheExampleFileAreValidOnceUncommented) {
+  std::ifstream file(kThesisFile);
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  text = text.substr(text.find("# [[fitness.rule]]"));
+  for (std::size_t at = text.find("# "); at != std::string::npos; at = text.find("\n# ", at)) {
+    text.erase(at == 0 ? 0 : at + 1, 2);
+  }
+  EvolveConfig config;
+  const auto ok = read_config(text, "rules", config);
+  ASSERT_TRUE(ok.has_value()) << ok.error().message;
+  const std::vector<RuleConfig> expected = {{{"s3=3", "s4=3", "s5=3"}, 8, -4}, {{"s3=0"}, 1, -2}, {{}, 1, 0}};
+  EXPECT_EQ(config.fitness.rules, expected);
+}
+
+TEST(Config, JsonRoundTripIsExact) {
+  for (const EvolveConfig& config : {EvolveConfig{}, unusual_config()}) {
+    const auto read = config_from_json(config_to_json(config));
+    ASSERT_TRUE(read.has_value()) << read.error().message;
+    EXPECT_EQ(*read, config);
+  }
+  EXPECT_EQ(config_to_json(unusual_config()).find('\n'), std::string::npos);
+}
+
+TEST(Config, JsonErrorsNameTheKey) {
+  const auto message = [](std::string_view json) {
+    const auto config = config_from_json(json);
+    return config ? std::string("accepted") : config.error().message;
+  };
+  EXPECT_EQ(message("[1"), "configuration: expected a JSON object");
+  EXPECT_EQ(message(R"({"ga":3})"), "ga: expected a JSON object");
+  EXPECT_EQ(message(R"({"ga":{"population":null}})"),
+            "ga.population is a JSON null: expected an integer from 2 to 1000000");
+  EXPECT_NE(message(R"({"gal":{}})").find("unknown key 'gal'"), std::string::npos);
+  EXPECT_NE(message(R"({"fitness":{"rule":[{"rigth":3}]}})").find("'rigth' in [fitness.rule]"), std::string::npos);
+  EXPECT_NE(message(R"({"fitness":{"rule":7}})").find("fitness.rule"), std::string::npos);
+  EXPECT_NE(message(R"({"fitness":{"rule":[{"any_of":[1]}]}})").find("any_of"), std::string::npos);
+}
+
+struct BadFile {
+  std::string text;
+  std::vector<std::string> says;
+};
+
+TEST(Config, TomlErrorsNameFileLineKeyAndWhatWasExpected) {
+  const std::vector<BadFile> files = {
+      {"[ga]\n\npopulaton = 3\n", {"run.toml: line 3: ", "'populaton' in [ga]", "generations, population, tournament"}},
+      {"[gaa]\npopulation = 3\n", {"run.toml: line 1: ", "'gaa'", "seed, [ga], [rollout], [fitness]"}},
+      {"[ga]\npopulation = \"many\"\n",
+       {"run.toml: line 2: ga.population is \"many\": expected an integer from 2 to 1000000"}},
+      {"[ga]\npopulation = 1\n", {"line 2: ga.population is 1: expected an integer from 2 to 1000000"}},
+      {"[ga]\npopulation = 50.5\n", {"line 2: ga.population is 50.5: expected an integer"}},
+      {"[ga]\npopulation = true\n", {"line 2: ga.population is true"}},
+      {"[ga]\npopulation = [1]\n", {"line 2: ga.population is a list"}},
+      {"[ga]\npopulation = 2016-11-09\n", {"line 2: ga.population is a date or time"}},
+      {"seed = -1\n", {"line 1: seed is -1: expected an integer from 0 to 18446744073709551615"}},
+      {"[ga]\ncrossover = 1.5\n", {"line 2: ga.crossover is 1.5: expected a number from 0 to 1"}},
+      {"[ga]\ncrossover = nan\n", {"line 2: ga.crossover is nan: expected a number from 0 to 1"}},
+      {"[fitness]\nreturn = inf\n", {"line 2: fitness.return is inf: expected a number from 0 to 1000000"}},
+      {"[rollout]\nacting = \"trees\"\n",
+       {"line 2: rollout.acting is \"trees\": expected \"tree\", \"policy\" or \"mixed\""}},
+      {"ga = 3\n", {"line 1: ga is", "expected a table [ga]"}},
+      {"[fitness]\nrule = 3\n", {"line 2: fitness.rule: expected tables [[fitness.rule]]"}},
+      {"[[fitness.rule]]\nany_of = \"a=0\"\n", {"line 2: fitness.rule.any_of: expected a list of conditions"}},
+      {"[[fitness.rule]]\nany_of = [\n\"a=0\",\n3]\n", {"line 4: fitness.rule.any_of: expected a list of conditions"}},
+      {"[[fitness.rule]]\nrigth = 3\n", {"line 2: ", "'rigth' in [fitness.rule]", "right, wrong, any_of"}},
+      {"[[fitness.rule]]\nright = 1e9\n", {"line 2: fitness.rule.right is"}},
+      {"[ga\npopulation = 3\n", {"run.toml: line 1, column"}},
+      {"[ga]\npopulation = 3\npopulation = 4\n", {"run.toml: line 3"}},
+      {"\"\" = 3\n", {"line 1: unknown key ''"}},
+  };
+  for (const BadFile& file : files) {
+    EvolveConfig config = unusual_config();
+    const auto ok = read_config("" + file.text, "run.toml", config);
+    ASSERT_FALSE(ok.has_value()) << file.text;
+    EXPECT_EQ(ok.error().kind, ErrorKind::bad_input);
+    for (const std::string& part : file.says) {
+      EXPECT_NE(ok.error().message.find(part), std::string::npos)
+          << "'" << ok.error().message << "' does not say '" << part << "'";
+    }
+    EXPECT_EQ(config, unusual_config()) << "a refused file must change nothing: " << file.text;
+  }
+}
+
+TEST(Config, AFileChangesOnlyWhatItNames) {
+  EvolveConfig config = unusual_config();
+  ASSERT_TRUE(read_config("[ga]\npopulation = 77\n[fitness]\ncoverage = 2\n", "f", config).has_value());
+  EvolveConfig expected = unusual_config();
+  expected.ga.population = 77;
+  expected.fitness.coverage = 2.0;
+  EXPECT_EQ(config, expected);
+}
+
+TEST(Config, AFileThatCannotBeReadIsNamed) {
+  EvolveConfig config;
+  for (const std::string path : {"/nowhere/at/all.toml", "/"}) {
+    const auto ok = load_config(path, config);
+    ASSERT_FALSE(ok.has_value());
+    EXPECT_EQ(ok.error().kind, ErrorKind::bad_input);
+    EXPECT_EQ(ok.error().message.rfind(path + ": cannot be read: ", 0), 0U) << ok.error().message;
+  }
+}
+
+TEST(Config, SettingsChangeOneKey) {
+  EvolveConfig config;
+  for (const char* assignment : {"ga.population=200", "seed=18446744073709551615", "fitness.return=0.25",
+                                 "rollout.acting=policy", "ga.mutation=1", "fitness.size_weight=1e3"}) {
+    const auto ok = apply_setting(assignment, config);
+    ASSERT_TRUE(ok.has_value()) << ok.error().message;
+  }
+  EvolveConfig expected;
+  expected.ga.population = 200;
+  expected.seed = std::numeric_limits<std::uint64_t>::max();
+  expected.fitness.expected_return = 0.25;
+  expected.rollout.acting = Acting::policy;
+  expected.ga.mutation = 1.0;
+  expected.fitness.size_weight = 1000.0;
+  EXPECT_EQ(config, expected);
+}
+
+TEST(Config, BadSettingsAreQuotedAndExplained) {
+  const std::vector<BadFile> settings = {
+      {"ga.population", {"--set ga.population: expected KEY=VALUE"}},
+      {"ga.populaton=3", {"--set ga.populaton=3: ", "'populaton' in [ga]", "population"}},
+      {"population=3", {"--set population=3: unknown key 'population': expected one of seed, [ga]"}},
+      {"x.y=3", {"unknown key 'x.y'"}},
+      {"ga.population=", {"ga.population is \"\": expected an integer"}},
+      {"ga.population=12x", {"ga.population is \"12x\": expected an integer"}},
+      {"ga.population=99999999999999999999999", {"expected an integer from 2 to 1000000"}},
+      {"ga.crossover=half", {"ga.crossover is \"half\": expected a number from 0 to 1"}},
+      {"ga.crossover=nan", {"expected a number from 0 to 1"}},
+      {"fitness.rule=3", {"rules can be given only in a file"}},
+      {"=3", {"unknown key ''"}},
+      {"", {"expected KEY=VALUE"}},
+  };
+  for (const BadFile& setting : settings) {
+    EvolveConfig config;
+    const auto ok = apply_setting(setting.text, config);
+    ASSERT_FALSE(ok.has_value()) << setting.text;
+    EXPECT_EQ(ok.error().kind, ErrorKind::bad_input);
+    for (const std::string& part : setting.says) {
+      EXPECT_NE(ok.error().message.find(part), std::string::npos)
+          << "'" << ok.error().message << "' does not say '" << part << "'";
+    }
+    EXPECT_EQ(config, EvolveConfig{});
+  }
+}
+
+TEST(Config, IsCheckedAsAWhole) {
+  const auto message = [](void (*change)(EvolveConfig&)) {
+    EvolveConfig config;
+    change(config);
+    const auto ok = check_config(config, small_vocabulary());
+    return ok ? std::string() : ok.error().message;
+  };
+  EXPECT_EQ(message([](EvolveConfig&) {}), "");
+  EXPECT_EQ(message([](EvolveConfig& c) { c.ga.elites = 100; }),
+            "ga.elites is 100: expected fewer than ga.population, which is 100");
+  EXPECT_NE(message([](EvolveConfig& c) { c.rollout.steps = 1U << 20U; }).find("rollout.final_rollouts is 200"),
+            std::string::npos);
+  EXPECT_NE(message([](EvolveConfig& c) { c.fitness.agreement = 0; }).find("every weight is 0"), std::string::npos);
+  EXPECT_NE(message([](EvolveConfig& c) { c.fitness.shaped = 1; }).find("s3, s4 and s5"), std::string::npos);
+  EXPECT_NE(message([](EvolveConfig& c) {
+              c.fitness.rules = {{{}, 1, 0}, {{"zz=3"}, 1, 0}};
+            }).find("fitness.rule 2: 'zz=3'"),
+            std::string::npos);
+  EXPECT_NE(message([](EvolveConfig& c) {
+              c.fitness.rules = {{{"left"}, 1, 0}};
+            }).find("'left' is not a condition"),
+            std::string::npos);
+  EXPECT_NE(message([](EvolveConfig& c) { c.fitness.rules.resize(33); }).find("33 rules: expected at most 32"),
+            std::string::npos);
+}
+
+TEST(Config, AMixedShareIsFixedPoint) {
+  EvolveConfig config;
+  config.rollout.acting = Acting::mixed;
+  config.rollout.policy_share = 0.5;
+  EXPECT_EQ(job_of(config, {Objective{}}, 3).policy_share, std::uint64_t{1} << 63U);
+  config.rollout.policy_share = 1.0;
+  EXPECT_EQ(job_of(config, {Objective{}}, 3).policy_share, std::numeric_limits<std::uint64_t>::max());
+  config.rollout.policy_share = 0.0;
+  EXPECT_EQ(job_of(config, {Objective{}}, 3).policy_share, 0U);
+  config.rollout = {5, 100, 200, Acting::tree, 0.5};
+  EXPECT_EQ(job_of(config, {Objective{}}, 3).policy_share, 0U) << "the same job whatever an unused key says";
+}
+
+}  // namespace
+}  // namespace coppice

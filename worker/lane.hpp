@@ -1,0 +1,69 @@
+// One evaluating thread of a worker: takes a task from the worker's partition, evaluates its trees one by one, answers.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "common/error.hpp"
+#include "common/fitness/evaluation.hpp"
+#include "common/stop.hpp"
+#include "common/wire/codec.hpp"
+#include "common/wire/topics.hpp"
+#include "common/wire/waiter.hpp"
+#include "worker/chain_store.hpp"
+
+namespace coppice {
+
+// What all lanes and the main loop of a worker share.
+struct WorkerState {
+  std::uint64_t worker = 0;  // random identity
+  std::uint32_t protocol = 0;
+  std::atomic<std::uint64_t> run_id{0};     // of the coordinator served; 0: none
+  std::atomic<std::uint64_t> evaluated{0};  // individuals
+  std::atomic<bool> leaving{false};
+  ChainStore chains;
+};
+
+class Lane {
+ public:
+  // Starts the thread. `state`, `tasks` and `answers` outlive it; both DDS entities may be shared by lanes.
+  static Result<std::unique_ptr<Lane>> start(WorkerState& state, const wire::Participant& participant,
+                                             const wire::Reader<wire::Task>& tasks,
+                                             wire::Writer<wire::Answer>& answers);
+  ~Lane();
+  Lane(const Lane&) = delete;
+  Lane& operator=(const Lane&) = delete;
+
+  // To notice state.leaving. Safe from any thread.
+  void wake() const { waiter_.wake(); }
+
+ private:
+  Lane(WorkerState& state, wire::Waiter waiter, const wire::Reader<wire::Task>& tasks,
+       wire::Writer<wire::Answer>& answers);
+
+  void run();
+  void take_one(const wire::Task& task);
+  // The outcome of a task, with its payload.
+  struct Outcome {
+    coppice_wire_Outcome kind = coppice_wire_REFUSED;
+    std::vector<std::uint8_t> payload;
+  };
+  Outcome evaluate(const wire::Task& task);
+  Result<void> prepare(const std::shared_ptr<const PreparedChain>& chain, const Job& job);
+
+  WorkerState& state_;
+  wire::Waiter waiter_;
+  const wire::Reader<wire::Task>& tasks_;
+  wire::Writer<wire::Answer>& answers_;
+  std::shared_ptr<const PreparedJob> job_;  // of the last task: the next one usually has the same
+  std::optional<Evaluation> evaluation_;
+  std::thread thread_;
+};
+
+// Answers a task without evaluating it: the worker leaves.
+void give_back(const WorkerState& state, const wire::Task& task, wire::Writer<wire::Answer>& answers);
+
+}  // namespace coppice

@@ -1,0 +1,83 @@
+// coppice-worker: command line, signals and log; serve.hpp does the work.
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <exception>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <string>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <thread>
+#include <unistd.h>
+
+#include "common/stop.hpp"
+#include "common/version.hpp"
+#include "common/wire/configuration.hpp"
+#include "common/wire/topics.hpp"
+#include "worker/serve.hpp"
+
+namespace {
+
+constexpr std::uint32_t kMaxThreads = 1024;
+constexpr int kWrongUse = 2;
+
+// A worker that a coordinator started dies with it, also when that was killed.
+bool follow_parent(pid_t parent) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  return getppid() == parent;  // else it died before prctl
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"Evaluates behaviour trees for a Coppice coordinator until it gets SIGTERM."};
+  coppice::ServeOptions options;
+  options.version = coppice::kVersion;
+  options.protocol = coppice::wire::kProtocolVersion;
+  pid_t parent = 0;
+  std::string log_level = "info";
+  app.set_version_flag(
+      "--version", fmt::format("coppice-worker {} (protocol {})", coppice::kVersion, coppice::wire::kProtocolVersion));
+  app.add_option("--coordinator", options.coordinator, "Host of the coordinator")->capture_default_str();
+  app.add_option("--domain", options.domain, "DDS domain; the coordinator listens on UDP port 7410 + 250 x domain")
+      ->check(CLI::Range(0U, coppice::wire::kMaxDomain))
+      ->capture_default_str();
+  app.add_option("--threads", options.threads, "Evaluating threads")
+      ->check(CLI::Range(1U, kMaxThreads))
+      ->capture_default_str();
+  app.add_option("--log-level", log_level, "What to log to stderr")
+      ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
+      ->capture_default_str();
+  app.add_option("--parent", parent, "Exit when this process, which must be the parent, dies");
+  app.footer("Example: coppice-worker --coordinator 192.0.2.7 --domain 3 --threads 8");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kWrongUse;
+  }
+  spdlog::set_default_logger(spdlog::stderr_color_mt("coppice-worker"));
+  spdlog::set_pattern("%n: %v");
+  spdlog::set_level(spdlog::level::from_str(log_level));
+  if (parent != 0 && !follow_parent(parent)) {
+    return 0;
+  }
+  coppice::block_stop_signals();
+  coppice::StopFlag stop;
+  const coppice::StopOnSignals signals(stop);
+  coppice::wire::route_dds_log([](const char* line) { spdlog::debug("dds: {}", line); });
+  const auto outcome = coppice::serve(options, stop);
+  if (!outcome) {
+    spdlog::error("{}", outcome.error().message);
+    return outcome.error().kind == coppice::ErrorKind::bad_input ? kWrongUse : 1;
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "coppice-worker: %s\n", error.what());
+    return 1;
+  }
+}

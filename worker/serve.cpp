@@ -1,0 +1,308 @@
+#include "worker/serve.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <fmt/format.h>
+#include <memory>
+#include <optional>
+#include <random>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+#include <vector>
+
+#include "common/wire/configuration.hpp"
+#include "worker/lane.hpp"
+
+namespace coppice {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kHelloInterval{250};
+constexpr std::chrono::milliseconds kBlockStall{500};  // without a block for this long, the missing are asked for again
+constexpr std::int64_t kFarewellMs = 1000;  // for the coordinator to receive the last answers and the last Hello
+constexpr std::size_t kMostPerTake = 256;
+
+std::uint64_t random_identity() {
+  std::random_device device;
+  const std::uint64_t high = device();
+  return high << 32U | device() | 1U;  // never 0
+}
+
+class Server {
+ public:
+  static Result<std::unique_ptr<Server>> open(const ServeOptions& options);
+
+  Result<void> run(const StopFlag& stop);
+
+ private:
+  Server(const ServeOptions& options, wire::Participant participant, wire::Waiter waiter,
+         wire::Reader<wire::Control> controls, wire::Reader<wire::Task> tasks, wire::Reader<wire::ChainBlock> blocks,
+         wire::Writer<wire::Hello> hellos, wire::Writer<wire::Answer> answers,
+         wire::Writer<wire::ChainRequest> requests)
+      : options_(options),
+        participant_(std::move(participant)),
+        waiter_(std::move(waiter)),
+        controls_(std::move(controls)),
+        tasks_(std::move(tasks)),
+        blocks_(std::move(blocks)),
+        hellos_(std::move(hellos)),
+        answers_(std::move(answers)),
+        requests_(std::move(requests)) {}
+
+  Result<void> start_lanes();
+  Result<void> take_controls();
+  void meet(const wire::Control& control);
+  void take_blocks();
+  void finish_chain();
+  void request_missing();
+  void say_hello();
+  void leave();
+
+  const ServeOptions options_;
+  WorkerState state_;
+  wire::Participant participant_;
+  wire::Waiter waiter_;
+  wire::Reader<wire::Control> controls_;
+  wire::Reader<wire::Task> tasks_;
+  wire::Reader<wire::ChainBlock> blocks_;
+  wire::Writer<wire::Hello> hellos_;
+  wire::Writer<wire::Answer> answers_;
+  wire::Writer<wire::ChainRequest> requests_;
+  std::vector<std::unique_ptr<Lane>> lanes_;  // after what they use: joined first
+
+  std::optional<Assembly> assembly_;
+  std::uint32_t requested_end_ = 0;  // blocks before it have been asked for
+  Clock::time_point last_block_;
+  Clock::time_point next_hello_;
+};
+
+Result<std::unique_ptr<Server>> Server::open(const ServeOptions& options) {
+  const auto configuration = wire::worker_configuration(options.coordinator, options.domain);
+  if (!configuration) {
+    return tl::unexpected(configuration.error());
+  }
+  auto participant = wire::Participant::join(options.domain, *configuration);
+  if (!participant) {
+    return tl::unexpected(participant.error());
+  }
+  const std::uint64_t identity = random_identity();
+  const std::string partition = wire::partition_of(identity);
+  auto waiter = wire::Waiter::make(*participant);
+  auto controls = wire::Reader<wire::Control>::make(*participant);
+  auto tasks = wire::Reader<wire::Task>::make(*participant, partition);
+  auto blocks = wire::Reader<wire::ChainBlock>::make(*participant, partition);
+  auto hellos = wire::Writer<wire::Hello>::make(*participant);
+  auto answers = wire::Writer<wire::Answer>::make(*participant);
+  auto requests = wire::Writer<wire::ChainRequest>::make(*participant);
+  std::optional<Error> error;
+  const auto check = [&error](const auto& result) {
+    if (!result && !error) {
+      error = result.error();
+    }
+  };
+  check(waiter), check(controls), check(tasks), check(blocks), check(hellos), check(answers), check(requests);
+  if (!error) {
+    check(waiter->watch_reader(controls->get()));
+    check(waiter->watch_reader(blocks->get()));
+  }
+  if (error) {
+    return tl::unexpected(*error);
+  }
+  std::unique_ptr<Server> server(new Server(options, std::move(*participant), std::move(*waiter), std::move(*controls),
+                                            std::move(*tasks), std::move(*blocks), std::move(*hellos),
+                                            std::move(*answers), std::move(*requests)));
+  server->state_.worker = identity;
+  server->state_.protocol = options.protocol;
+  if (auto ok = server->start_lanes(); !ok) {
+    return tl::unexpected(ok.error());
+  }
+  return server;
+}
+
+Result<void> Server::start_lanes() {
+  for (std::uint32_t i = 0; i < options_.threads; ++i) {
+    auto lane = Lane::start(state_, participant_, tasks_, answers_);
+    if (!lane) {
+      state_.leaving = true;
+      return tl::unexpected(lane.error());
+    }
+    lanes_.push_back(std::move(*lane));
+  }
+  return {};
+}
+
+Result<void> Server::run(const StopFlag& stop) {
+  const auto wake = stop.on_raise([this] { waiter_.wake(); });
+  spdlog::info("worker {:016x} looks for a coordinator at {} in domain {} (UDP port {})", state_.worker,
+               options_.coordinator, options_.domain, wire::coordinator_port(options_.domain));
+  Result<void> outcome;
+  while (outcome && !stop.raised()) {
+    outcome = take_controls();
+    take_blocks();
+    if (assembly_ && Clock::now() - last_block_ > kBlockStall) {
+      requested_end_ = 0;
+      request_missing();
+    }
+    if (Clock::now() >= next_hello_) {
+      say_hello();
+    }
+    waiter_.wait(next_hello_ - Clock::now());
+  }
+  leave();
+  return outcome;
+}
+
+Result<void> Server::take_controls() {
+  std::optional<std::string> refusal;
+  controls_.take(kMostPerTake, [&](const wire::Control& control, const dds_sample_info_t& info) {
+    if (!info.valid_data || info.instance_state != DDS_ALIVE_INSTANCE_STATE) {
+      if (state_.run_id.exchange(0) != 0) {
+        spdlog::info("the coordinator is gone; waiting for the next");
+      }
+    } else if (control.protocol != options_.protocol) {
+      refusal = fmt::format(
+          "the coordinator {} (pid {}, version {}) speaks protocol {}, this worker (version {}) speaks {}: "
+          "install the same version of Coppice on both",
+          wire::shown(control.host), control.pid, wire::shown(control.version), control.protocol, options_.version,
+          options_.protocol);
+    } else {
+      meet(control);
+    }
+  });
+  if (refusal) {
+    return failed(*refusal);
+  }
+  return {};
+}
+
+void Server::meet(const wire::Control& control) {
+  if (state_.run_id.exchange(control.run_id) != control.run_id) {
+    spdlog::info("serving the coordinator {} (pid {})", wire::shown(control.host), control.pid);
+  }
+  const ChainHash hash = wire::from_wire(control.chain);
+  if (state_.chains.find(hash) != nullptr) {
+    assembly_.reset();
+  } else if (!assembly_ || assembly_->hash() != hash) {
+    auto assembly = Assembly::start(hash, control.chain_size, wire::kBlockBytes);
+    if (!assembly) {
+      spdlog::error("{}", assembly.error().message);
+      return;
+    }
+    assembly_ = std::move(*assembly);
+    requested_end_ = 0;
+  }
+  if (assembly_) {
+    requested_end_ = 0;  // another coordinator has not been asked yet
+    request_missing();
+  }
+  say_hello();
+}
+
+void Server::request_missing() {
+  const auto run = assembly_->missing(wire::kBlockWindow);
+  if (!run || run->first < requested_end_ || state_.run_id == 0) {
+    return;
+  }
+  wire::ChainRequest request{};
+  request.protocol = options_.protocol;
+  request.run_id = state_.run_id;
+  request.chain = wire::to_wire(assembly_->hash());
+  request.worker = state_.worker;
+  request.first = run->first;
+  request.count = run->count;
+  requested_end_ = run->first + run->count;
+  last_block_ = Clock::now();
+  if (auto ok = requests_.write(request); !ok) {
+    spdlog::warn("could not ask for the chain: {}", ok.error().message);
+  }
+}
+
+void Server::take_blocks() {
+  blocks_.take(kMostPerTake, [&](const wire::ChainBlock& block, const dds_sample_info_t& info) {
+    if (!info.valid_data || !assembly_ || wire::from_wire(block.chain) != assembly_->hash()) {
+      return;
+    }
+    if (auto ok = assembly_->add(block.index, wire::view(block.payload)); !ok) {
+      spdlog::warn("dropped a sample: {}", ok.error().message);
+      return;
+    }
+    last_block_ = Clock::now();
+  });
+  if (assembly_) {
+    if (assembly_->complete()) {
+      finish_chain();
+    } else {
+      request_missing();
+    }
+  }
+}
+
+void Server::finish_chain() {
+  const ChainHash hash = assembly_->hash();
+  auto chain = std::move(*assembly_).finish();
+  assembly_.reset();
+  if (!chain) {
+    // The next Control or the next coordinator starts over; without the chain no task comes.
+    spdlog::error("chain {}: {}", hash.hex(), chain.error().message);
+    return;
+  }
+  spdlog::info("holds chain {}: {} states, {} transitions", hash.hex(), (*chain)->chain().states(),
+               (*chain)->chain().transitions());
+  state_.chains.add(hash, std::move(*chain));
+  say_hello();
+}
+
+void Server::say_hello() {
+  next_hello_ = Clock::now() + kHelloInterval;
+  wire::Hello hello{};
+  hello.protocol = options_.protocol;
+  hello.worker = state_.worker;
+  hello.run_id = state_.run_id;
+  wire::put_text(hello.version, options_.version);
+  wire::put_text(hello.host, wire::host_name());
+  hello.pid = static_cast<std::uint32_t>(getpid());
+  hello.threads = options_.threads;
+  hello.evaluated = state_.evaluated;
+  hello.leaving = state_.leaving;
+  std::vector<coppice_wire_ChainId> chains;
+  for (const ChainHash& hash : state_.chains.held()) {
+    chains.push_back(wire::to_wire(hash));
+  }
+  hello.chains._buffer = chains.data();
+  hello.chains._length = static_cast<std::uint32_t>(chains.size());
+  hello.chains._maximum = hello.chains._length;
+  hello.chains._release = false;
+  if (auto ok = hellos_.write(hello); !ok) {
+    spdlog::warn("could not say hello: {}", ok.error().message);
+  }
+}
+
+void Server::leave() {
+  state_.leaving = true;
+  for (const auto& lane : lanes_) {
+    lane->wake();
+  }
+  lanes_.clear();  // joins: each lane finishes the individual that it is at
+  tasks_.take(wire::kTaskDepth, [&](const wire::Task& task, const dds_sample_info_t& info) {
+    if (info.valid_data) {
+      give_back(state_, task, answers_);
+    }
+  });
+  say_hello();
+  answers_.wait_for_acknowledgements(kFarewellMs);
+  hellos_.wait_for_acknowledgements(kFarewellMs);
+  spdlog::info("leaves after {} individuals", state_.evaluated.load());
+}
+
+}  // namespace
+
+Result<void> serve(const ServeOptions& options, const StopFlag& stop) {
+  auto server = Server::open(options);
+  if (!server) {
+    return tl::unexpected(server.error());
+  }
+  return (*server)->run(stop);
+}
+
+}  // namespace coppice

@@ -1,0 +1,25 @@
+// The worker's main loop. It meets the coordinator, fetches the chains that it lacks and says Hello; lanes (lane.hpp)
+// do the evaluating, each in a thread of its own.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "common/error.hpp"
+#include "common/stop.hpp"
+
+namespace coppice {
+
+struct ServeOptions {
+  std::string coordinator = "127.0.0.1";
+  std::uint32_t domain = 0;
+  std::uint32_t threads = 1;
+  std::uint32_t protocol = 0;  // what this program speaks; coordinators that speak another are refused
+  std::string version;
+};
+
+// Serves until `stop` is raised, then gives back what it holds and returns. Errors: no DDS, the coordinator does not
+// resolve, a coordinator of another protocol version.
+Result<void> serve(const ServeOptions& options, const StopFlag& stop);
+
+}  // namespace coppice
