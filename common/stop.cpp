@@ -112,8 +112,10 @@ void StopOnSignals::wait_for_signals(StopFlag& flag) const {
     if (flag.raised()) {
       _exit(kExitBySecondSignal);
     }
-    constexpr std::string_view kHint = "\ncoppice: stopping; press Ctrl-C again to end at once\n";
-    [[maybe_unused]] const ssize_t shown = write(STDERR_FILENO, kHint.data(), kHint.size());
+    if (info.ssi_signo == SIGINT) {
+      constexpr std::string_view kHint = "\ncoppice: stopping; press Ctrl-C again to end at once\n";
+      [[maybe_unused]] const ssize_t shown = write(STDERR_FILENO, kHint.data(), kHint.size());
+    }
     flag.raise();
   }
 }

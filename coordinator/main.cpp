@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <fmt/format.h>
 #include <iostream>
 #include <string>
@@ -13,6 +12,7 @@
 #include "common/stop.hpp"
 #include "common/version.hpp"
 #include "coordinator/commands/commands.hpp"
+#include "coordinator/report/log.hpp"
 #include "coordinator/report/printable.hpp"
 
 namespace {
@@ -27,13 +27,6 @@ constexpr int kExitWrongUse = 2;
 int complain(const std::string& message, int exit_code) {
   fmt::print(stderr, "coppice: {}\n", coppice::printable(message));
   return exit_code;
-}
-
-// The worker program is installed, and built, beside this one.
-std::filesystem::path beside_this_program(const char* name) {
-  std::error_code error;
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
-  return error ? std::filesystem::path(name) : self.parent_path() / name;
 }
 
 // "coppice", or "coppice evolve" once the command line got that far.
@@ -55,11 +48,15 @@ int run(int argc, char** argv) {
   coppice::block_stop_signals();
   coppice::StopFlag stop;
   const coppice::StopOnSignals on_signals(stop);
-  coppice::Invocation invocation{stop, beside_this_program("coppice-worker"), {}};
+  coppice::Invocation invocation{stop, {}};
 
   CLI::App app("Grows small behaviour trees that do what a learned policy does.", "coppice");
   app.set_version_flag("--version", fmt::format("coppice {}", coppice::kVersion));
   app.require_subcommand(1);
+  std::string log_level = "warn";
+  app.add_option("--log-level", log_level, "What to log to standard error; goes before the command")
+      ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
+      ->capture_default_str();
   app.footer("'coppice COMMAND --help' explains a command. To begin: coppice run");
   coppice::add_run(app, invocation);
   coppice::add_learn(app, invocation);
@@ -79,6 +76,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return complain(fmt::format("{} (see {} --help)", error.what(), spoken_to(app)), kExitWrongUse);
   }
+  coppice::log_to(stderr, spdlog::level::from_str(log_level));
   Result<void> done = invocation.chosen();
   if (done) {
     done = flush_output();

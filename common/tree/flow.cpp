@@ -52,7 +52,8 @@ class Analysis {
       name_tested_features(vocabulary, start);
     }
     forwards(0, std::move(start));
-    backwards(0, After{}, After{});
+    const After end{false, {}, true};
+    backwards(0, end, end);
   }
 
   std::vector<NodeFlow> take() { return std::move(flow_); }
@@ -67,6 +68,7 @@ class Analysis {
   struct After {
     bool writes = false;  // an action is surely written
     Outcome outcome;
+    bool is_end = false;
   };
 
   void name_tested_features(const Vocabulary& vocabulary, Knowledge& start) {
@@ -137,17 +139,18 @@ class Analysis {
   // Gives the rest of a tick from just before node i.
   After backwards(std::size_t i, const After& success, const After& failure) {
     NodeFlow& flow = flow_[i];
+    flow.is_final = success.is_end && failure.is_end;
     flow.on_success = success.outcome;
     flow.on_failure = failure.outcome;
     const Node& node = nodes_[i];
     if (node.kind == NodeKind::condition) {
       return {(!flow.can_succeed || success.writes) && (!flow.can_fail || failure.writes),
-              success.outcome == failure.outcome ? success.outcome : Outcome{Outcome::Kind::differs}};
+              success.outcome == failure.outcome ? success.outcome : Outcome{Outcome::Kind::differs}, false};
     }
     if (node.kind == NodeKind::action) {
       flow.lasts = flow.reached && !success.writes;
       const bool last = success.outcome.kind == Outcome::Kind::nothing && !flow.redundant;
-      return {true, last ? Outcome{Outcome::Kind::action, node.action()} : success.outcome};
+      return {true, last ? Outcome{Outcome::Kind::action, node.action()} : success.outcome, false};
     }
     std::vector<std::size_t> children;
     for (std::size_t child = i + 1; child < i + node.extent; child += nodes_[child].extent) {

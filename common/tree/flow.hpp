@@ -29,6 +29,7 @@ struct NodeFlow {
   bool can_fail = false;
   bool redundant = true;  // every action written in this subtree is on the blackboard already
   bool lasts = false;     // an action written in this subtree can be the tick's last
+  bool is_final = false;  // the tick ends after this node, whatever its status
   Outcome on_success;     // after this node; an action that is redundant counts as nothing written
   Outcome on_failure;
 };

@@ -71,8 +71,9 @@ class Pass {
     flow_ = flow_of(tree_, vocabulary_, Facts::ignored);
     drop(0, [this](std::size_t parent, std::size_t i) {
       const NodeFlow& flow = flow_[i];
+      // The way on without the node must be one that exists with it: what counts as redundant there was found so.
       const bool goes_on = tree_[parent].kind == NodeKind::sequence ? flow.can_succeed : flow.can_fail;
-      if (!goes_on || flow.on_success != flow.on_failure) {
+      if (!(goes_on || flow.is_final) || flow.on_success != flow.on_failure) {
         return std::string();
       }
       if (flow.on_success.kind == Outcome::Kind::action) {

@@ -2,7 +2,6 @@
 // sets Invocation::chosen, which main() then calls once.
 #pragma once
 
-#include <filesystem>
 #include <functional>
 
 #include "common/error.hpp"
@@ -16,7 +15,6 @@ namespace coppice {
 
 struct Invocation {
   const StopFlag& stop;
-  std::filesystem::path worker_program;  // started by --workers
   std::function<Result<void>()> chosen;
 };
 

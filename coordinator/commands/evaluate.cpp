@@ -12,7 +12,9 @@
 #include "coordinator/commands/evaluator_option.hpp"
 #include "coordinator/commands/standard_input.hpp"
 #include "coordinator/commands/tree_lines.hpp"
+#include "coordinator/commands/whole_number.hpp"
 #include "coordinator/evolution/config.hpp"
+#include "coordinator/report/json_line.hpp"
 #include "coordinator/study/study.hpp"
 
 namespace coppice {
@@ -90,7 +92,7 @@ std::string answer_of(const Tally& tally, const Question& question) {
                                          {"steps", tally.steps},
                                          {"agreement", agreement},
                                          {"objectives", objectives}};
-  return answer.dump();
+  return json_line(answer);
 }
 
 // Reads up to kChunk trees. False: the input has ended.
@@ -139,8 +141,8 @@ Result<void> answer_all(TreeLines& lines, Evaluator& evaluator, const Question& 
   return {};
 }
 
-Result<void> evaluate_command(const Options& options, const Invocation& invocation) {
-  const Result<EvaluatorChoice> choice = evaluator_choice(options.evaluator, invocation.worker_program);
+Result<void> evaluate_command(const Options& options, const StopFlag& stop) {
+  const Result<EvaluatorChoice> choice = evaluator_choice(options.evaluator);
   if (!choice) {
     return tl::unexpected(choice.error());
   }
@@ -153,7 +155,7 @@ Result<void> evaluate_command(const Options& options, const Invocation& invocati
   if (!question) {
     return tl::unexpected(question.error());
   }
-  StandardInput standard_input(invocation.stop);
+  StandardInput standard_input(stop);
   std::filebuf file;
   const bool from_file = options.trees != "-";
   if (from_file && file.open(options.trees, std::ios::in) == nullptr) {
@@ -161,12 +163,12 @@ Result<void> evaluate_command(const Options& options, const Invocation& invocati
   }
   TreeLines lines(from_file ? static_cast<std::streambuf&>(file) : standard_input,
                   from_file ? options.trees : "standard input", chain->vocabulary());
-  const Result<std::unique_ptr<Evaluator>> evaluator = open_evaluator(chain, *choice, invocation.stop);
+  const Result<std::unique_ptr<Evaluator>> evaluator = open_evaluator(chain, *choice, stop);
   if (!evaluator) {
     return tl::unexpected(evaluator.error());
   }
   const Result<void> answered = answer_all(lines, **evaluator, *question);
-  if (answered && invocation.stop.raised()) {
+  if (answered && stop.raised()) {
     return tl::unexpected(Error{ErrorKind::interrupted, "interrupted before the end of the trees"});
   }
   return answered;
@@ -184,10 +186,15 @@ void add_evaluate(CLI::App& app, Invocation& invocation) {
       ->type_name("FILE|-")
       ->capture_default_str();
   add_evaluator_option(*command, options->evaluator);
-  command->add_option("--rollouts", rollout.rollouts, "Walks through the chain")->capture_default_str();
-  command->add_option("--steps", rollout.steps, "Steps per walk")->capture_default_str();
-  command->add_option("--seed", options->config.seed, "Same seed and generation, same walks")->capture_default_str();
+  command->add_option("--rollouts", rollout.rollouts, "Walks through the chain")
+      ->check(whole_number())
+      ->capture_default_str();
+  command->add_option("--steps", rollout.steps, "Steps per walk")->check(whole_number())->capture_default_str();
+  command->add_option("--seed", options->config.seed, "Same seed and generation, same walks")
+      ->check(whole_number())
+      ->capture_default_str();
   command->add_option("--generation", options->generation, "Names the random numbers together with the seed")
+      ->check(whole_number())
       ->capture_default_str();
   command->add_option("--acting", options->acting, "Who chooses the steps of a walk")
       ->type_name("tree|policy|mixed")
@@ -208,7 +215,7 @@ void add_evaluate(CLI::App& app, Invocation& invocation) {
       "  echo '(selector (sequence s3=0 turn_left) move)' |\n"
       "    coppice evaluate uav.coppice --serial --objective agreement --objective coverage");
   command->callback([&invocation, options] {
-    invocation.chosen = [&invocation, options] { return evaluate_command(*options, invocation); };
+    invocation.chosen = [&invocation, options] { return evaluate_command(*options, invocation.stop); };
   });
 }
 

@@ -6,10 +6,13 @@
 #include <fmt/format.h>
 #include <thread>
 
+#include "coordinator/commands/whole_number.hpp"
+#include "coordinator/dispatch/local_workers.hpp"
+
 namespace coppice {
 namespace {
 
-constexpr std::size_t kMostLocalWorkers = 1024;
+constexpr std::size_t kMostLocalWorkers = LocalWorkers::kMaxWorkers;
 constexpr std::uint32_t kHighestDomain = 230;  // of DDS; above it the ports of RTPS run out
 constexpr std::uint32_t kLongestWait = 7 * 24 * 3600;
 
@@ -18,27 +21,35 @@ constexpr std::uint32_t kLongestWait = 7 * 24 * 3600;
 void add_evaluator_option(CLI::App& command, EvaluatorOption& option) {
   CLI::Option* workers =
       command.add_option("--workers", option.workers, "Start N worker processes on this machine (default: one a core)");
-  workers->type_name("N");
+  workers->type_name("N")->check(whole_number());
   CLI::Option* serial = command.add_flag("--serial", option.serial, "Evaluate in this process");
   CLI::Option* remote = command.add_flag("--remote", option.remote,
                                          "Use workers that were started by hand, here or on other hosts "
                                          "(coppice-worker --coordinator HOST); waits until one is there");
   workers->excludes(serial)->excludes(remote);
   serial->excludes(remote);
-  command.add_option("--interface", option.interface, "Network interface or address for --remote")
+  command.add_option("--interface", option.interface, "With --remote: network interface or address to listen on")
       ->type_name("NAME")
       ->needs(remote);
-  command.add_option("--domain", option.domain, "DDS domain for --remote; workers need the same")
+  command.add_option("--domain", option.domain, "DDS domain (default: a free one; with --remote 0, as its workers)")
       ->type_name("D")
-      ->needs(remote);
+      ->check(whole_number())
+      ->excludes(serial);
   command.add_option("--wait", option.wait_seconds, "Give up when there was no worker for so many seconds")
       ->type_name("SECONDS")
+      ->check(whole_number())
       ->excludes(serial);
+  command
+      .add_option("--worker-program", option.worker_program,
+                  "What --workers starts (default: coppice-worker beside this program, or on PATH)")
+      ->type_name("FILE")
+      ->excludes(serial)
+      ->excludes(remote);
 }
 
-Result<EvaluatorChoice> evaluator_choice(const EvaluatorOption& option, const std::filesystem::path& worker_program) {
+Result<EvaluatorChoice> evaluator_choice(const EvaluatorOption& option) {
   EvaluatorChoice choice;
-  choice.worker_program = worker_program;
+  choice.worker_program = option.worker_program;
   if (option.serial) {
     choice.kind = EvaluatorChoice::Kind::serial;
   } else if (option.remote) {

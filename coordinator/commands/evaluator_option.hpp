@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -22,12 +21,13 @@ struct EvaluatorOption {
   std::optional<std::string> interface;
   std::optional<std::uint32_t> domain;
   std::optional<std::uint32_t> wait_seconds;
+  std::string worker_program;
 };
 
 void add_evaluator_option(CLI::App& command, EvaluatorOption& option);
 
 // What open_evaluator() takes. Errors name the flag.
-Result<EvaluatorChoice> evaluator_choice(const EvaluatorOption& option, const std::filesystem::path& worker_program);
+Result<EvaluatorChoice> evaluator_choice(const EvaluatorOption& option);
 
 // "serial", "2 local workers", "remote workers": kept with a run.
 std::string in_words(const EvaluatorChoice& choice);

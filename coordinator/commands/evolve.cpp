@@ -7,6 +7,7 @@
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/evaluator_option.hpp"
 #include "coordinator/commands/evolve_options.hpp"
+#include "coordinator/commands/whole_number.hpp"
 
 namespace coppice {
 namespace {
@@ -35,8 +36,8 @@ Result<RunId> run_to_resume(const Study& study) {
   return bad_input(fmt::format("{}: has no unfinished run: nothing to resume", study.path()));
 }
 
-Result<void> evolve_command(const Options& options, const Invocation& invocation) {
-  const Result<EvaluatorChoice> evaluator = evaluator_choice(options.evaluator, invocation.worker_program);
+Result<void> evolve_command(const Options& options, const StopFlag& stop) {
+  const Result<EvaluatorChoice> evaluator = evaluator_choice(options.evaluator);
   if (!evaluator) {
     return tl::unexpected(evaluator.error());
   }
@@ -61,7 +62,7 @@ Result<void> evolve_command(const Options& options, const Invocation& invocation
     }
     task.config = std::move(*config);
   }
-  const Result<EvolveReport> report = evolve_in_study(*study, task, invocation.stop);
+  const Result<EvolveReport> report = evolve_in_study(*study, task, stop);
   if (!report) {
     return tl::unexpected(report.error());
   }
@@ -80,8 +81,8 @@ void add_evolve(CLI::App& app, Invocation& invocation) {
   command->add_option("STUDY", options->study, "The study file; the run is kept in it")->required();
   add_evaluator_option(*command, options->evaluator);
   add_evolve_options(*command, options->evolution);
-  CLI::Option* seed =
-      command->add_option("--seed", options->seed, "Same seed, same result (default: seed of --config)");
+  CLI::Option* seed = command->add_option("--seed", options->seed, "Same seed, same result (default: seed of --config)")
+                          ->check(whole_number());
   CLI::Option* resume =
       command->add_flag("--resume", options->resume, "Go on with the last unfinished run, by its own configuration");
   resume->excludes(command->get_option("--config"))->excludes(command->get_option("--set"))->excludes(seed);
@@ -97,7 +98,7 @@ void add_evolve(CLI::App& app, Invocation& invocation) {
       "  coppice evolve uav.coppice --serial --set ga.population=200 --set fitness.coverage=0.5 --seed 3\n"
       "  coppice evolve uav.coppice --resume");
   command->callback([&invocation, options] {
-    invocation.chosen = [&invocation, options] { return evolve_command(*options, invocation); };
+    invocation.chosen = [&invocation, options] { return evolve_command(*options, invocation.stop); };
   });
 }
 

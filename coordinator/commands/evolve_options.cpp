@@ -12,7 +12,9 @@
 #include "common/tree/state_columns.hpp"
 #include "common/tree/text.hpp"
 #include "coordinator/commands/evaluator_option.hpp"
+#include "coordinator/commands/whole_number.hpp"
 #include "coordinator/evolution/evolve.hpp"
+#include "coordinator/report/json_line.hpp"
 #include "coordinator/report/progress.hpp"
 
 namespace coppice {
@@ -85,7 +87,7 @@ void add_evolve_options(CLI::App& command, EvolveOptions& options) {
       .add_option("--lines-every", options.lines_every,
                   "Generations between progress lines when standard error is no terminal")
       ->type_name("N")
-      ->check(CLI::PositiveNumber)
+      ->check(whole_number())
       ->capture_default_str();
 }
 
@@ -145,12 +147,11 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
   if (!evolved) {
     RunOutcome outcome;
     outcome.status = evolved.error().kind == ErrorKind::interrupted ? RunStatus::interrupted : RunStatus::failed;
-    outcome.json = Json{{"error", evolved.error().message}}.dump(-1, ' ', false, Json::error_handler_t::replace);
-    if (const Result<void> finished = study.finish_run(run, outcome); !finished) {
-      return tl::unexpected(
-          Error{evolved.error().kind, fmt::format("{}; and {}", evolved.error().message, finished.error().message)});
-    }
-    return tl::unexpected(evolved.error());
+    outcome.json = json_line(Json{{"error", evolved.error().message}});
+    const Result<void> finished = study.finish_run(run, outcome);
+    return tl::unexpected(Error{
+        evolved.error().kind,
+        fmt::format("{}; {}", evolved.error().message, finished ? resume_hint(study) : finished.error().message)});
   }
   progress.finish(evolved->generations_done,
                   fmt::format("best {:.4f}, {} nodes", evolved->best.fitness, evolved->best.tree.size()));
@@ -159,8 +160,8 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
   const Tree pruned = simplify(evolved->best.tree, vocabulary, StateColumns(vocabulary, chain->parts().features)).tree;
   const RunStatus status = evolved->interrupted ? RunStatus::interrupted : RunStatus::finished;
   const Json outcome = outcome_json(*evolved, statistics, seconds);
-  const Result<void> finished =
-      study.finish_run(run, {.status = status, .tree = evolved->best.tree, .pruned = pruned, .json = outcome.dump()});
+  const Result<void> finished = study.finish_run(
+      run, {.status = status, .tree = evolved->best.tree, .pruned = pruned, .json = json_line(outcome)});
   if (!finished) {
     return tl::unexpected(finished.error());
   }
@@ -188,7 +189,7 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
                       .pruned = pruned,
                       .interrupted = evolved->interrupted,
                       .text = std::move(text),
-                      .json = json.dump(-1, ' ', false, Json::error_handler_t::replace)};
+                      .json = json_line(json)};
 }
 
 std::string resume_hint(const Study& study) {

@@ -10,6 +10,7 @@
 
 #include "common/tree/text.hpp"
 #include "coordinator/commands/commands.hpp"
+#include "coordinator/report/json_line.hpp"
 #include "coordinator/report/printable.hpp"
 #include "coordinator/study/study.hpp"
 
@@ -106,12 +107,11 @@ Json json_of(const Study& study, const std::vector<RunRecord>& runs) {
 
 std::string pairs_text(const Json& object) {
   if (!object.is_object()) {
-    return object.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return json_line(object);
   }
   std::string text;
   for (const auto& [key, value] : object.items()) {
-    const std::string shown =
-        value.is_string() ? value.get<std::string>() : value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    const std::string shown = value.is_string() ? value.get<std::string>() : json_line(value);
     text += fmt::format("{}{}={}", text.empty() ? "" : " ", key, shown);
   }
   return text;
@@ -150,7 +150,7 @@ void print_text(const Json& json) {
                     run["evaluator"].get<std::string>(), run["seed"].dump(), run["generations"].dump(),
                     run["started"].get<std::string>(),
                     run["ended"].get<std::string>().empty() ? "" : ", ended " + run["ended"].get<std::string>()));
-    print_line("  configuration", run["configuration"].dump());
+    print_line("  configuration", json_line(run["configuration"]));
     print_line("  result", pairs_text(run["result"]));
     for (const char* tree : {"tree", "pruned"}) {
       if (run.contains(tree)) {
@@ -172,7 +172,7 @@ Result<void> info_command(const Options& options) {
   }
   const Json json = json_of(*study, *runs);
   if (options.json) {
-    fmt::print("{}\n", json.dump(-1, ' ', false, Json::error_handler_t::replace));
+    fmt::print("{}\n", json_line(json));
   } else {
     print_text(json);
   }

@@ -4,6 +4,7 @@
 
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/learn_options.hpp"
+#include "coordinator/commands/whole_number.hpp"
 
 namespace coppice {
 namespace {
@@ -38,7 +39,9 @@ void add_learn(CLI::App& app, Invocation& invocation) {
       ->type_name("STUDY")
       ->required();
   add_learn_options(*command, options->learning);
-  command->add_option("--seed", options->seed, "Same seed, same policy and chain")->capture_default_str();
+  command->add_option("--seed", options->seed, "Same seed, same policy and chain")
+      ->check(whole_number())
+      ->capture_default_str();
   command->add_flag("--json", options->json, "Report as one JSON object");
   command->footer(
       "Examples:\n"

@@ -7,6 +7,8 @@
 #include <system_error>
 #include <utility>
 
+#include "coordinator/commands/whole_number.hpp"
+#include "coordinator/report/json_line.hpp"
 #include "coordinator/report/progress.hpp"
 
 namespace coppice {
@@ -57,8 +59,10 @@ void add_learn_options(CLI::App& command, LearnOptions& options) {
   command.add_option("--algorithm", options.algorithm, "How to learn")
       ->type_name("q-learning|sarsa")
       ->capture_default_str();
-  command.add_option("--episodes", options.episodes, "Episodes to learn from (default: as the thesis has it)");
-  command.add_option("--steps", options.steps, "Steps per episode (default: as the thesis has it)");
+  command.add_option("--episodes", options.episodes, "Episodes to learn from (default: as the thesis has it)")
+      ->check(whole_number());
+  command.add_option("--steps", options.steps, "Steps per episode (default: as the thesis has it)")
+      ->check(whole_number());
   command.add_option("--alpha", options.alpha, "Learning rate (default: as the thesis has it)");
   command.add_option("--gamma", options.gamma, "Discount factor (default: as the thesis has it)");
   command.add_option("--epsilon", options.epsilon, "Exploration in the first episode (default: as the thesis has it)");
@@ -118,13 +122,12 @@ Result<LearnReport> learn_study(const LearnTask& task, const std::string& path, 
   const nlohmann::ordered_json settings = json_of(task);
   const nlohmann::ordered_json outcome = json_of(*learned);
   const StudyWorld world{name_of(task.world.kind), task.world.room};
-  Result<Study> study = Study::create(path, learned->chain, world, {settings.dump(), outcome.dump()});
+  Result<Study> study = Study::create(path, learned->chain, world, {json_line(settings), json_line(outcome)});
   if (!study) {
     return tl::unexpected(std::move(study).error());
   }
   const nlohmann::ordered_json report = {{"study", path}, {"settings", settings}, {"outcome", outcome}};
-  return LearnReport{std::move(*study), text_of(task, *learned, path),
-                     report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
+  return LearnReport{std::move(*study), text_of(task, *learned, path), json_line(report)};
 }
 
 std::uint32_t learned_steps(const Study& study) {

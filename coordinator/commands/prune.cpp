@@ -8,6 +8,7 @@
 #include "common/tree/text.hpp"
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/tree_option.hpp"
+#include "coordinator/report/json_line.hpp"
 
 namespace coppice {
 namespace {
@@ -43,7 +44,7 @@ Result<void> prune_command(const Options& options) {
                                          {"pruned_nodes", pruned.tree.size()},
                                          {"holds", options.sound ? "every state" : "states of the chain"},
                                          {"removals", removals}};
-    fmt::print("{}\n", json.dump());
+    fmt::print("{}\n", json_line(json));
     return {};
   }
   for (const Removal& removal : pruned.removals) {

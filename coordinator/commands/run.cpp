@@ -6,19 +6,23 @@
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <system_error>
 
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/evaluator_option.hpp"
 #include "coordinator/commands/evolve_options.hpp"
 #include "coordinator/commands/learn_options.hpp"
+#include "coordinator/commands/whole_number.hpp"
 #include "coordinator/report/draw.hpp"
+#include "coordinator/report/json_line.hpp"
 #include "coordinator/report/score.hpp"
 #include "coordinator/report/whole_file.hpp"
 
 namespace coppice {
 namespace {
 
+constexpr std::uint64_t kDefaultSeed = 1;
 constexpr int kMostFolderNames = 100;  // runs of one folder that begin in the same second
 
 struct Options {
@@ -26,7 +30,7 @@ struct Options {
   LearnOptions learning;
   EvolveOptions evolution;
   EvaluatorOption evaluator;
-  std::uint64_t seed = 1;
+  std::optional<std::uint64_t> seed;
   std::uint64_t score_episodes = SimulateSettings{}.episodes;
   bool json = false;
 };
@@ -81,9 +85,9 @@ Result<void> write_reports(const std::filesystem::path& folder, const EvolveRepo
   return write_drawings(evolved.pruned, vocabulary, folder / "pruned");
 }
 
-Result<void> run_command(const Options& options, const Invocation& invocation) {
+Result<void> run_command(const Options& options, const StopFlag& stop) {
   // Everything that can be wrong with the flags is found before the folder exists.
-  const Result<LearnTask> learning = learn_task(options.learning, options.seed);
+  const Result<LearnTask> learning = learn_task(options.learning, options.seed.value_or(kDefaultSeed));
   if (!learning) {
     return tl::unexpected(learning.error());
   }
@@ -91,7 +95,7 @@ Result<void> run_command(const Options& options, const Invocation& invocation) {
   if (!config) {
     return tl::unexpected(config.error());
   }
-  const Result<EvaluatorChoice> evaluator = evaluator_choice(options.evaluator, invocation.worker_program);
+  const Result<EvaluatorChoice> evaluator = evaluator_choice(options.evaluator);
   if (!evaluator) {
     return tl::unexpected(evaluator.error());
   }
@@ -100,7 +104,7 @@ Result<void> run_command(const Options& options, const Invocation& invocation) {
     return tl::unexpected(folder.error());
   }
   const std::string study_path = (*folder / "study.coppice").string();
-  Result<LearnReport> learned = learn_study(*learning, study_path, invocation.stop);
+  Result<LearnReport> learned = learn_study(*learning, study_path, stop);
   if (!learned) {
     std::error_code ignored;
     std::filesystem::remove(*folder, ignored);  // only if it is empty
@@ -116,12 +120,13 @@ Result<void> run_command(const Options& options, const Invocation& invocation) {
                                                         .resumed = std::nullopt,
                                                         .evaluator = *evaluator,
                                                         .lines_every = options.evolution.lines_every},
-                                                       invocation.stop);
+                                                       stop);
   if (!evolved) {
     return in_context(study_path, evolved.error());
   }
-  const SimulateSettings settings{
-      .episodes = options.score_episodes, .steps = learning->settings.steps, .seed = options.seed};
+  const SimulateSettings settings{.episodes = options.score_episodes,
+                                  .steps = learning->settings.steps,
+                                  .seed = options.seed.value_or(kDefaultSeed)};
   const Result<Score> score = score_tree(learning->world, study.chain(), evolved->tree, settings);
   if (!score) {
     return tl::unexpected(score.error());
@@ -133,7 +138,7 @@ Result<void> run_command(const Options& options, const Invocation& invocation) {
                                          {"learn", parsed(learned->json)},
                                          {"evolve", parsed(evolved->json)},
                                          {"score", parsed(to_json(*score))}};
-    fmt::print("{}\n", json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    fmt::print("{}\n", json_line(json));
   } else {
     fmt::print("{}\n{}\n", evolved->text, to_text(*score));
     fmt::print("drawings: {}, {}\nstudy: {}\n", (*folder / "evolved.svg").string(), (*folder / "pruned.svg").string(),
@@ -159,8 +164,10 @@ void add_run(CLI::App& app, Invocation& invocation) {
   add_learn_options(*command, options->learning);
   add_evaluator_option(*command, options->evaluator);
   add_evolve_options(*command, options->evolution);
-  command->add_option("--seed", options->seed, "Of learning, evolution and simulator")->capture_default_str();
+  command->add_option("--seed", options->seed, "Of learning, evolution and simulator (default: 1)")
+      ->check(whole_number());
   command->add_option("--score-episodes", options->score_episodes, "Episodes in the simulator for Table IV")
+      ->check(whole_number())
       ->capture_default_str();
   command->add_flag("--json", options->json, "Report as one JSON object");
   command->footer(
@@ -169,7 +176,7 @@ void add_run(CLI::App& app, Invocation& invocation) {
       "  coppice run --workers 2\n"
       "  coppice run -o trial --episodes 20000 --set ga.generations=100 --serial --seed 3");
   command->callback([&invocation, options] {
-    invocation.chosen = [&invocation, options] { return run_command(*options, invocation); };
+    invocation.chosen = [&invocation, options] { return run_command(*options, invocation.stop); };
   });
 }
 

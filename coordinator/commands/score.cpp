@@ -8,6 +8,7 @@
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/learn_options.hpp"
 #include "coordinator/commands/tree_option.hpp"
+#include "coordinator/commands/whole_number.hpp"
 
 namespace coppice {
 namespace {
@@ -57,9 +58,10 @@ void add_score(CLI::App& app, Invocation& invocation) {
   command->add_option("STUDY", options->study, "The study file")->required();
   add_tree_option(*command, options->tree);
   command->add_option("--episodes", options->episodes, "Episodes in the simulator; 500 or more for narrow intervals")
+      ->check(whole_number())
       ->capture_default_str();
-  command->add_option("--steps", options->steps, "Steps per episode (default: as in learning)");
-  command->add_option("--seed", options->seed, "Of the simulator")->capture_default_str();
+  command->add_option("--steps", options->steps, "Steps per episode (default: as in learning)")->check(whole_number());
+  command->add_option("--seed", options->seed, "Of the simulator")->check(whole_number())->capture_default_str();
   command->add_flag("--json", options->json, "Report as one JSON object");
   command->footer(
       "Examples:\n"

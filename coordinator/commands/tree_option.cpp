@@ -10,6 +10,7 @@
 
 #include "common/tree/text.hpp"
 #include "coordinator/commands/tree_lines.hpp"
+#include "coordinator/commands/whole_number.hpp"
 
 namespace coppice {
 namespace {
@@ -69,7 +70,10 @@ void add_tree_option(CLI::App& command, TreeOption& option) {
                                          "The tree: its text form, or a file that holds one (default: the best "
                                          "tree of the last finished run)");
   tree->type_name("TEXT|FILE");
-  command.add_option("--run", option.run, "The best tree of this run instead")->type_name("N")->excludes(tree);
+  command.add_option("--run", option.run, "The best tree of this run instead")
+      ->type_name("N")
+      ->check(whole_number())
+      ->excludes(tree);
 }
 
 Result<Tree> tree_of(const TreeOption& option, const Study& study) {

@@ -226,7 +226,7 @@ bool InFlight::give_back(BatchId batch, WorkerId worker) {
   return true;
 }
 
-InFlight::Loss InFlight::lose_worker(WorkerId worker) {
+InFlight::Loss InFlight::lose_worker(WorkerId worker, Farewell farewell) {
   Loss loss;
   if (workers_.erase(worker) == 0) {
     return loss;
@@ -241,7 +241,8 @@ InFlight::Loss InFlight::lose_worker(WorkerId worker) {
       continue;
     }
     ++loss.batches;
-    for (std::uint32_t slot = out.batch.first; slot < out.batch.first + out.batch.count; ++slot) {
+    for (std::uint32_t slot = out.batch.first;
+         farewell == Farewell::died && slot < out.batch.first + out.batch.count; ++slot) {
       if (!settled_[slot] && ++attempts_[slot] >= limits_.attempts) {
         settle_slot(slot);
         loss.poisonous.push_back(slot);

@@ -87,8 +87,10 @@ class InFlight {
     std::size_t batches = 0;
     std::vector<std::uint32_t> poisonous;  // settled by giving up: too many workers were lost with them
   };
-  // The worker died, or is out of reach; its slots wait again, at the front. Answers that still come from it count.
-  Loss lose_worker(WorkerId worker);
+  // The worker died, is out of reach, or left in order; its slots wait again, at the front. Answers that still come
+  // from it count. Only a worker that did not leave in order casts suspicion on what it held.
+  enum class Farewell : std::uint8_t { died, left };
+  Loss lose_worker(WorkerId worker, Farewell farewell);
 
   bool done() const { return unsettled_ == 0; }
   std::uint32_t unsettled() const { return unsettled_; }

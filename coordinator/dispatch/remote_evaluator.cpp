@@ -247,10 +247,16 @@ void RemoteEvaluator::hear(const wire::Hello& hello, const dds_sample_info_t& in
     return;
   }
   auto found = workers_.find(id);
-  if (found == workers_.end()) {
-    if (hello.leaving) {
-      return;
+  if (hello.leaving) {
+    if (found != workers_.end()) {
+      spdlog::debug("worker {} left", found->second.name());
+      // A batch may have crossed its farewell: it goes to others at once.
+      statistics_.requeued += flight_.lose_worker(id, InFlight::Farewell::left).batches;
+      workers_.erase(found);
     }
+    return;
+  }
+  if (found == workers_.end()) {
     auto worker = RemoteWorker::meet(dds_.participant, dds_.waiter, hello);
     if (!worker) {
       spdlog::error("cannot serve a worker: {}", worker.error().message);
@@ -261,9 +267,8 @@ void RemoteEvaluator::hear(const wire::Hello& hello, const dds_sample_info_t& in
     flight_.add_worker(id);
   }
   found->second.hear(hello, run_);
-  if (found->second.leaving() && flight_.load(id) == 0) {
-    lose(id, "left");
-  }
+  // A worker that was out of reach has let go of the run, and DDS does not deliver again what it had before.
+  announce_again_ = announce_again_ || hello.run_id != run_.run_id;
 }
 
 void RemoteEvaluator::refuse(const wire::Hello& hello) {
@@ -351,13 +356,7 @@ void RemoteEvaluator::lose(WorkerId id, const std::string& why) {
   if (worker == workers_.end()) {
     return;
   }
-  const bool left = worker->second.leaving() && flight_.load(id) == 0;
-  const auto loss = flight_.lose_worker(id);
-  if (left) {
-    spdlog::debug("worker {} left", worker->second.name());
-    workers_.erase(worker);
-    return;
-  }
+  const auto loss = flight_.lose_worker(id, InFlight::Farewell::died);
   ++statistics_.workers_lost;
   statistics_.requeued += loss.batches;
   spdlog::warn("worker {} {}; {} batches go to others", worker->second.name(), why, loss.batches);
@@ -377,6 +376,11 @@ Result<void> RemoteEvaluator::tend(Clock::time_point now) {
     return {};
   }
   next_tending_ = now + kTendInterval;
+  if (std::exchange(announce_again_, false)) {
+    if (auto ok = announce(); !ok) {
+      spdlog::warn("{}", ok.error().message);
+    }
+  }
   if (local_) {
     for (const std::string& line : local_->tend()) {
       spdlog::warn("{}", line);

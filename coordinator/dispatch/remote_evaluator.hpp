@@ -111,6 +111,7 @@ class RemoteEvaluator : public Evaluator {
   std::optional<Clock::time_point> without_worker_since_;
   Clock::time_point next_notice_;
   Clock::time_point next_tending_;
+  bool announce_again_ = false;  // somebody does not know of the run
   DispatchStatistics statistics_;
 };
 

@@ -39,7 +39,6 @@ Result<RemoteWorker> RemoteWorker::meet(const wire::Participant& participant, wi
 }
 
 void RemoteWorker::hear(const wire::Hello& hello, const RunIdentity& run) {
-  leaving_ = hello.leaving;
   const std::span<const coppice_wire_ChainId> held(hello.chains._buffer, hello.chains._length);
   holds_chain_ = hello.run_id == run.run_id &&
                  std::any_of(held.begin(), held.end(),

@@ -37,9 +37,8 @@ class RemoteWorker {
 
   // Takes what a Hello says about the run and its chain.
   void hear(const wire::Hello& hello, const RunIdentity& run);
-  // Holds the chain, serves this run, can be written to, and does not leave.
-  bool ready() const { return holds_chain_ && !leaving_ && tasks_.matched(); }
-  bool leaving() const { return leaving_; }
+  // Holds the chain, serves this run, and can be written to.
+  bool ready() const { return holds_chain_ && tasks_.matched(); }
   void lacks_chain() { holds_chain_ = false; }
 
   // Remembers which blocks it asked for; send_blocks() sends them once the worker can hear.
@@ -63,7 +62,6 @@ class RemoteWorker {
   wire::Writer<wire::Task> tasks_;
   wire::Writer<wire::ChainBlock> blocks_;
   bool holds_chain_ = false;
-  bool leaving_ = false;
   struct Blocks {
     std::uint32_t first = 0;
     std::uint32_t count = 0;

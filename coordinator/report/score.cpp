@@ -1,15 +1,18 @@
 #include "coordinator/report/score.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "common/check.hpp"
 #include "common/tree/action_table.hpp"
 #include "common/tree/simplify.hpp"
 #include "common/tree/state_columns.hpp"
 #include "common/tree/text.hpp"
+#include "coordinator/report/json_line.hpp"
 
 namespace coppice {
 namespace {
@@ -40,6 +43,43 @@ struct Row {
   std::array<std::string, 3> ours;              // policy, tree, pruned tree
   std::array<std::string_view, 3> thesis = {};  // Q-learning, BT, BT adjusted; empty: not printed there
 };
+
+// The rows in columns, each as wide as its widest cell; the thesis' columns behind a bar, if wanted.
+std::string lines_of(const std::vector<Row>& rows, bool with_thesis) {
+  constexpr std::size_t kGap = 2;
+  std::size_t name_width = 0;
+  std::array<std::size_t, 3> widths{};
+  std::array<std::size_t, 3> thesis_widths{};
+  for (const Row& row : rows) {
+    name_width = std::max(name_width, row.name.size());
+    for (std::size_t i = 0; i < widths.size(); ++i) {
+      widths[i] = std::max(widths[i], row.ours[i].size());
+      thesis_widths[i] = std::max(thesis_widths[i], row.thesis[i].size());
+    }
+  }
+  const auto line_of = [&](const Row& row) {
+    std::string line = fmt::format("{:<{}}", row.name, name_width + kGap);
+    for (std::size_t i = 0; i < widths.size(); ++i) {
+      line += fmt::format("{:<{}}", row.ours[i], widths[i] + kGap);
+    }
+    if (with_thesis) {
+      line += "| ";
+      for (std::size_t i = 0; i < thesis_widths.size(); ++i) {
+        line += fmt::format("{:<{}}", row.thesis[i], thesis_widths[i] + kGap);
+      }
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    return line + '\n';
+  };
+  std::string text;
+  if (with_thesis) {
+    text += line_of({.name = "", .ours = {"this study", "", ""}, .thesis = {"the thesis", "", ""}});
+  }
+  for (const Row& row : rows) {
+    text += line_of(row);
+  }
+  return text;
+}
 
 nlohmann::ordered_json json_of(const Estimate& estimate) {
   return {{"mean", estimate.mean}, {"margin", estimate.margin}};
@@ -142,10 +182,8 @@ std::string to_text(const Score& score) {
   const auto over_states = [&](const ControllerScore& c) {
     return percent(static_cast<double>(c.matching_states) / static_cast<double>(score.states));
   };
-  const std::string_view policy_name = "policy";
-  const bool thesis = score.world == WorldKind::uav;
-  const std::array<Row, 7> rows = {{
-      {"", {std::string(policy_name), "tree", "pruned tree"}, {"Q-learning", "BT", "BT adjusted"}},
+  const std::vector<Row> rows = {
+      {"", {"policy", "tree", "pruned tree"}, {"Q-learning", "BT", "BT adjusted"}},
       {"agreement over all states", ours(over_states), {"100 %", "66 %", "86 %"}},
       {"agreement in simulation",
        ours([](const ControllerScore& c) { return percent(c.agreement); }),
@@ -160,20 +198,10 @@ std::string to_text(const Score& score) {
        })},
       {"steps in unknown states",
        ours([](const ControllerScore& c) { return fmt::format("{} of {}", c.unknown_steps, c.steps); })},
-  }};
+  };
   std::string text = fmt::format("Table IV: {} episodes of {} steps, seed {}, {} states; +- is a 95 % interval\n",
                                  score.settings.episodes, score.settings.steps, score.settings.seed, score.states);
-  if (thesis) {
-    text += fmt::format("{:<26}  {:<66} | {}\n", "", "this study", "the thesis");
-  }
-  for (const Row& row : rows) {
-    std::string line = fmt::format("{:<26}  {:<22}{:<22}{:<22}", row.name, row.ours[0], row.ours[1], row.ours[2]);
-    if (thesis) {
-      line += fmt::format(" | {:<14}{:<9}{}", row.thesis[0], row.thesis[1], row.thesis[2]);
-    }
-    line.erase(line.find_last_not_of(' ') + 1);
-    text += line + '\n';
-  }
+  text += lines_of(rows, score.world == WorldKind::uav);
   text +=
       fmt::format("nodes: {} as evolved, {} after pruning that holds in every state, {} after pruning on the chain\n",
                   score.nodes, score.nodes_sound, score.nodes_pruned);
@@ -195,7 +223,7 @@ std::string to_json(const Score& score) {
       {"tree_text", score.tree_text},
       {"pruned_text", score.pruned_text},
   };
-  return json.dump();
+  return json_line(json);
 }
 
 }  // namespace coppice

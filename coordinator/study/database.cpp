@@ -90,6 +90,17 @@ int pragma(SQLite::Database& database, const char* name) {
   return database.execAndGet(fmt::format("PRAGMA {}", name)).getInt();
 }
 
+// SQLite fills a last page that is cut short with zeros and does not say so. While there is a log, that is what
+// counts, so only a file at rest is measured.
+Result<void> check_length(const std::string& path, SQLite::Database& database) {
+  struct stat status {};
+  const bool at_rest = database.execAndGet("PRAGMA journal_mode").getString() != "wal";
+  if (at_rest && ::stat(path.c_str(), &status) == 0 && status.st_size % pragma(database, "page_size") != 0) {
+    return tl::unexpected(damaged(path, "it is cut short"));
+  }
+  return {};
+}
+
 }  // namespace
 
 Error error_of(const std::string& path, const SQLite::Exception& exception) {
@@ -125,7 +136,8 @@ Error damaged(const std::string& path, const std::string& what) {
 
 SQLite::Database create_database(const std::string& path) {
   SQLite::Database database(path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
-  database.exec("PRAGMA synchronous = FULL");
+  database.exec("PRAGMA journal_mode = OFF");
+  database.exec("PRAGMA synchronous = OFF");
   database.exec(fmt::format("PRAGMA application_id = {}", kApplicationId));
   database.exec(fmt::format("PRAGMA user_version = {}", kSchemaVersion));
   database.exec(kSchema);
@@ -143,6 +155,9 @@ Result<SQLite::Database> open_database(const std::string& path, bool write) {
   if (const int version = pragma(database, "user_version"); version != kSchemaVersion) {
     return bad_input(fmt::format("{}: a study of schema version {}: this program knows version {}{}", path, version,
                                  kSchemaVersion, version > kSchemaVersion ? " and is too old for it" : ""));
+  }
+  if (auto ok = check_length(path, database); !ok) {
+    return tl::unexpected(ok.error());
   }
   const std::string verdict = database.execAndGet("PRAGMA quick_check(1)").getString();
   if (verdict != "ok") {

@@ -26,7 +26,8 @@ auto guarded(const std::string& path, F&& f) -> decltype(f()) {
   }
 }
 
-// An empty study in a new file: tables, application id, schema version. Throws SQLite::Exception.
+// An empty study in a new file: tables, application id, schema version. Writes to it are quick and safe against
+// nothing: it is for a file that counts only once it is complete and synced. Throws SQLite::Exception.
 SQLite::Database create_database(const std::string& path);
 
 // Opens what create_database() made. Errors: as Study::open(), the content of the tables aside. May throw

@@ -30,8 +30,11 @@ class Draft {
 
   const std::string& path() const { return path_; }
 
-  // Gives the file its name, in one step and only if the name is free.
+  // Gives the file its name once it is on the disk, in one step and only if the name is free.
   Result<void> publish() {
+    if (const int error = sync(path_, O_RDONLY); error != 0) {
+      return not_written(error);
+    }
     int error = ::renameat2(AT_FDCWD, path_.c_str(), AT_FDCWD, target_.c_str(), RENAME_NOREPLACE) == 0 ? 0 : errno;
     if (error == EINVAL || error == ENOSYS) {  // a file system without this flag: a hard link does not replace either
       error = ::link(path_.c_str(), target_.c_str()) == 0 ? 0 : errno;
@@ -40,9 +43,11 @@ class Draft {
       return exists(target_);
     }
     if (error != 0) {
-      return failed(fmt::format("{}: cannot be written: {}", target_, std::strerror(error)));
+      return not_written(error);
     }
-    sync_folder();
+    // So that the new name survives a power cut, too; where a folder cannot be synced, the file is whole all the same.
+    const std::string folder = std::filesystem::path(target_).parent_path().string();
+    sync(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);
     return {};
   }
 
@@ -51,19 +56,21 @@ class Draft {
   }
 
  private:
-  void remove() const {
-    std::remove(path_.c_str());
-    std::remove((path_ + "-journal").c_str());
+  void remove() const { std::remove(path_.c_str()); }
+
+  // errno, or 0.
+  static int sync(const std::string& path, int flags) {
+    const int fd = ::open(path.c_str(), flags | O_CLOEXEC);
+    if (fd < 0) {
+      return errno;
+    }
+    const int error = ::fsync(fd) == 0 ? 0 : errno;
+    ::close(fd);
+    return error;
   }
 
-  // So that the new name survives a power cut; where it cannot be done, the file itself is still whole.
-  void sync_folder() const {
-    const std::string folder = std::filesystem::path(target_).parent_path().string();
-    const int fd = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (fd >= 0) {
-      ::fsync(fd);
-      ::close(fd);
-    }
+  tl::unexpected<Error> not_written(int error) const {
+    return failed(fmt::format("{}: cannot be written: {}", target_, std::strerror(error)));
   }
 
   std::string target_;

@@ -74,5 +74,15 @@ TEST(SimplifyOnStates, drops_what_no_state_of_the_chain_shows_and_says_why) {
             "s1=0: all 3 states keep their action without it\n");
 }
 
+TEST(SimplifyOnStates, hoists_the_only_useful_child_of_a_composite) {
+  const Vocabulary uav = arbitrary::uav();
+  const StateColumns columns(uav, std::vector<std::uint8_t>{0, 3, 3, 1, 1, 1, 1, 1, 3, 3, 0, 1, 1, 1, 1, 1});
+  const Simplified result = simplify(arbitrary::tree("(sequence move s1=0 turn_left)", uav), uav, columns);
+  EXPECT_EQ(to_text(result.tree, uav), "move");
+  ASSERT_EQ(result.removals.size(), 1U);
+  EXPECT_EQ(result.removals[0].reason, "in all 2 states its child move gives the same actions alone");
+  EXPECT_EQ(result.removals[0].nodes, 3U);
+}
+
 }  // namespace
 }  // namespace coppice

@@ -1,6 +1,5 @@
 #include "coordinator/evolution/selection.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <vector>
@@ -31,16 +30,14 @@ TEST(Tournament, IsWonByARankAsOftenAsTheoryHasIt) {
   constexpr std::size_t kRanks = 10;
   constexpr std::size_t kDraws = 3;
   constexpr int kTournaments = 200'000;
-  std::vector<std::size_t> ranked(kRanks);
-  for (std::size_t r = 0; r < kRanks; ++r) {
-    ranked[r] = 100 + (r * 3) % kRanks;  // slots, so that a slot is not mistaken for a rank
+  std::vector<double> fitness(kRanks);
+  for (std::size_t slot = 0; slot < kRanks; ++slot) {
+    fitness[slot] = -static_cast<double>(slot * 3 % kRanks);  // rank slot * 3 % 10
   }
   std::vector<int> wins(kRanks, 0);
   Stream stream(1, Purpose::breeding, 1, 0);
   for (int i = 0; i < kTournaments; ++i) {
-    const std::size_t slot = tournament(stream, ranked, kDraws);
-    const auto rank = std::find(ranked.begin(), ranked.end(), slot) - ranked.begin();
-    ++wins[static_cast<std::size_t>(rank)];
+    ++wins[tournament(stream, fitness, kDraws) * 3 % kRanks];
   }
   for (std::size_t r = 0; r < kRanks; ++r) {
     const auto at_least = [&](std::size_t from) {
@@ -49,6 +46,19 @@ TEST(Tournament, IsWonByARankAsOftenAsTheoryHasIt) {
     const double p = at_least(r) - at_least(r + 1);
     const double sigma = std::sqrt(p * (1.0 - p) * kTournaments);
     EXPECT_NEAR(wins[r], p * kTournaments, 5.0 * sigma) << "rank " << r;
+  }
+}
+
+TEST(Tournament, HasNoFavouriteAmongEquals) {
+  const std::vector<double> fitness(10, 0.5);
+  constexpr int kTournaments = 100'000;
+  std::vector<int> wins(fitness.size(), 0);
+  Stream stream(2, Purpose::breeding, 1, 0);
+  for (int i = 0; i < kTournaments; ++i) {
+    ++wins[tournament(stream, fitness, 4)];
+  }
+  for (const int won : wins) {
+    EXPECT_NEAR(won, kTournaments / 10.0, 5.0 * std::sqrt(kTournaments * 0.1 * 0.9));
   }
 }
 

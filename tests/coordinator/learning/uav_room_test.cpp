@@ -94,7 +94,7 @@ TEST(UavRoom, AWallIsSeenAndHidesTheCellBehindIt) {
 
 TEST(UavRoom, TrashBehindAWallReadsWallAndTrashHidesNothing) {
   EXPECT_EQ(readings(UavRoom(room({"######", "#.*..#", "#.##.#", "#.^..#", "######"}))),
-            (Readings{0, 1, 0, 0, 1, 1, 1, 0}));
+            (Readings{0, 1, 1, 0, 0, 1, 1, 0}));
   EXPECT_EQ(readings(UavRoom(room({"#######", "#..*..#", "#..*..#", "#**^**#", "#######"}))),
             (Readings{3, 3, 1, 3, 1, 3, 3, 3}));
 }

@@ -1,0 +1,240 @@
+// Serial equals remote, bit for bit, with real worker processes over real DDS on the loopback interface, whatever
+// happens to the workers. Faults are injected when a batch has just gone out, so they hit in mid-generation.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <memory>
+#include <set>
+#include <vector>
+
+#include "coordinator/dispatch/remote_evaluator.hpp"
+#include "coordinator/dispatch/serial_evaluator.hpp"
+#include "tests/oracles/chains.hpp"
+#include "tests/oracles/trees.hpp"
+
+namespace coppice {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int kMostGenerations = 2000;  // when a test evaluates until something was seen
+
+class RemoteEvaluation : public ::testing::Test {
+ protected:
+  static constexpr std::size_t kTrees = 200;
+
+  Job job(std::uint32_t generation) const {
+    Job result;
+    result.objectives = {{ObjectiveKind::agreement, {}},
+                         {ObjectiveKind::q_value, {}},
+                         {ObjectiveKind::coverage, {}},
+                         {ObjectiveKind::visits, {}},
+                         {ObjectiveKind::expected_return, {}}};
+    result.rollouts = 20;
+    result.seed = 42;
+    result.generation = generation;
+    return result;
+  }
+
+  std::vector<Tally> serial(std::uint32_t generation) {
+    auto evaluator = SerialEvaluator::make(chain_, stop_);
+    auto tallies = (*evaluator)->evaluate(trees_, job(generation));
+    EXPECT_TRUE(tallies.has_value());
+    return std::move(*tallies);
+  }
+
+  std::unique_ptr<RemoteEvaluator> open(std::size_t workers, RemoteOptions options = {}) {
+    options.local_workers = workers;
+    options.worker_program = COPPICE_WORKER_PROGRAM;
+    options.wait_limit = 60s;
+    auto evaluator = RemoteEvaluator::open(chain_, options, stop_);
+    EXPECT_TRUE(evaluator.has_value()) << (evaluator ? "" : evaluator.error().message);
+    return std::move(*evaluator);
+  }
+
+  void expect_equal(RemoteEvaluator& evaluator, std::uint32_t generation) {
+    const auto tallies = evaluator.evaluate(trees_, job(generation));
+    ASSERT_TRUE(tallies.has_value()) << tallies.error().message;
+    EXPECT_EQ(*tallies, serial(generation)) << "generation " << generation;
+  }
+
+  StopFlag stop_;
+  std::shared_ptr<const Chain> chain_ = oracles::shared_random_chain({.states = 500, .actions = 3, .seed = 7});
+  std::vector<Tree> trees_ = oracles::random_trees(chain_->vocabulary(), kTrees, 11);
+};
+
+TEST_F(RemoteEvaluation, GivesTheSerialTalliesWithOneWorker) {
+  const auto evaluator = open(1);
+  for (std::uint32_t generation = 0; generation < 5; ++generation) {
+    expect_equal(*evaluator, generation);
+  }
+}
+
+TEST_F(RemoteEvaluation, GivesTheSerialTalliesWithTwoWorkers) {
+  const auto evaluator = open(2);
+  for (std::uint32_t generation = 0; generation < 5; ++generation) {
+    expect_equal(*evaluator, generation);
+  }
+}
+
+TEST_F(RemoteEvaluation, GivesTheSerialTalliesWithFiveWorkers) {
+  const auto evaluator = open(5);
+  for (std::uint32_t generation = 0; generation < 5; ++generation) {
+    expect_equal(*evaluator, generation);
+  }
+}
+
+TEST_F(RemoteEvaluation, EvaluatesNothingWithoutAsking) {
+  const auto evaluator = open(1);
+  const auto tallies = evaluator->evaluate({}, job(0));
+  ASSERT_TRUE(tallies.has_value());
+  EXPECT_TRUE(tallies->empty());
+}
+
+TEST_F(RemoteEvaluation, SurvivesAWorkerKilledInMidGeneration) {
+  RemoteOptions options;
+  int batches = 0;
+  std::set<pid_t> killed;
+  options.batch_sent = [&](pid_t pid) {
+    if (++batches == 3) {
+      killed.insert(pid);
+      kill(pid, SIGKILL);
+    }
+  };
+  const auto evaluator = open(2, options);
+  for (std::uint32_t generation = 0; generation < 4; ++generation) {
+    expect_equal(*evaluator, generation);
+  }
+  EXPECT_EQ(killed.size(), 1U);
+}
+
+TEST_F(RemoteEvaluation, SurvivesEveryWorkerKilledInTheSameGeneration) {
+  RemoteOptions options;
+  std::set<pid_t> killed;
+  options.batch_sent = [&](pid_t pid) {
+    if (killed.size() < 2 && killed.insert(pid).second) {
+      kill(pid, SIGKILL);
+    }
+  };
+  const auto evaluator = open(2, options);
+  for (std::uint32_t generation = 0; generation < 3; ++generation) {
+    expect_equal(*evaluator, generation);
+  }
+  EXPECT_EQ(killed.size(), 2U);
+}
+
+TEST_F(RemoteEvaluation, SurvivesAStoppedWorkerAndItsLateAnswers) {
+  RemoteOptions options;
+  pid_t stopped = 0;
+  options.batch_sent = [&](pid_t pid) {
+    if (stopped == 0) {
+      stopped = pid;
+      kill(pid, SIGSTOP);
+    }
+  };
+  const auto evaluator = open(2, options);
+  expect_equal(*evaluator, 0);
+  EXPECT_NE(stopped, 0);
+  EXPECT_GE(evaluator->statistics().requeued + evaluator->statistics().batches, 2U);
+  // Awake again it answers what it had: answers to slots that are settled long ago, and it comes back to work.
+  kill(stopped, SIGCONT);
+  bool back = false;
+  bool answered_late = false;
+  for (int i = 1; i < kMostGenerations && !(back && answered_late); ++i) {
+    expect_equal(*evaluator, static_cast<std::uint32_t>(i));
+    const auto ready = evaluator->ready_pids();
+    back = std::find(ready.begin(), ready.end(), stopped) != ready.end();
+    answered_late = evaluator->statistics().duplicates > 0;
+  }
+  EXPECT_TRUE(back);
+  EXPECT_TRUE(answered_late);
+}
+
+TEST_F(RemoteEvaluation, WelcomesALateWorkerOfItsOwnAccord) {
+  const auto evaluator = open(1);
+  expect_equal(*evaluator, 0);
+  auto late = LocalWorkers::start(COPPICE_WORKER_PROGRAM, 1, evaluator->domain());
+  ASSERT_TRUE(late.has_value());
+  bool worked = false;
+  for (int i = 1; i < kMostGenerations && !worked; ++i) {
+    expect_equal(*evaluator, static_cast<std::uint32_t>(i));
+    worked = evaluator->statistics().workers_alive == 2;
+  }
+  EXPECT_TRUE(worked);
+}
+
+TEST_F(RemoteEvaluation, GoesOnWhenAWorkerLeavesInOrder) {
+  const auto evaluator = open(1);
+  auto guest = LocalWorkers::start(COPPICE_WORKER_PROGRAM, 1, evaluator->domain());
+  ASSERT_TRUE(guest.has_value());
+  for (int i = 0; i < kMostGenerations && evaluator->statistics().workers_alive < 2; ++i) {
+    expect_equal(*evaluator, static_cast<std::uint32_t>(i));
+  }
+  ASSERT_EQ(evaluator->statistics().workers_alive, 2U);
+  const pid_t pid = guest->pids().front();
+  kill(pid, SIGTERM);
+  for (int i = 0; i < kMostGenerations && evaluator->statistics().workers_alive > 1; ++i) {
+    expect_equal(*evaluator, static_cast<std::uint32_t>(i));
+  }
+  EXPECT_EQ(evaluator->statistics().workers_alive, 1U);
+  EXPECT_EQ(evaluator->statistics().workers_lost, 0U);
+}
+
+TEST_F(RemoteEvaluation, GivesUpAfterTheWaitLimitWhenNoWorkerComes) {
+  RemoteOptions options;
+  options.wait_limit = 150ms;
+  auto evaluator = RemoteEvaluator::open(chain_, options, stop_);
+  ASSERT_TRUE(evaluator.has_value());
+  const auto tallies = (*evaluator)->evaluate(trees_, job(0));
+  ASSERT_FALSE(tallies.has_value());
+  EXPECT_EQ(tallies.error().kind, ErrorKind::failed);
+  EXPECT_NE(tallies.error().message.find("no worker within"), std::string::npos) << tallies.error().message;
+}
+
+TEST_F(RemoteEvaluation, FailsWhenItsOwnWorkersCannotRun) {
+  RemoteOptions options;
+  options.local_workers = 2;
+  options.worker_program = "/bin/false";
+  auto evaluator = RemoteEvaluator::open(chain_, options, stop_);
+  ASSERT_TRUE(evaluator.has_value());
+  const auto tallies = (*evaluator)->evaluate(trees_, job(0));
+  ASSERT_FALSE(tallies.has_value());
+  EXPECT_NE(tallies.error().message.find("all worker processes ended"), std::string::npos) << tallies.error().message;
+}
+
+TEST_F(RemoteEvaluation, StopsWhenAskedAndCanGoOnAfterwards) {
+  StopFlag stop;
+  RemoteOptions options;
+  options.local_workers = 1;
+  options.worker_program = COPPICE_WORKER_PROGRAM;
+  options.batch_sent = [&](pid_t) { stop.raise(); };
+  auto evaluator = RemoteEvaluator::open(chain_, options, stop);
+  ASSERT_TRUE(evaluator.has_value());
+  const auto tallies = (*evaluator)->evaluate(trees_, job(0));
+  ASSERT_FALSE(tallies.has_value());
+  EXPECT_EQ(tallies.error().kind, ErrorKind::interrupted);
+}
+
+TEST_F(RemoteEvaluation, RefusesADomainThatIsTaken) {
+  const auto first = open(0);
+  RemoteOptions options;
+  options.domain = first->domain();
+  // Another process' domain looks like this; in one process the second join fails for the same port.
+  const auto second = RemoteEvaluator::open(chain_, options, stop_);
+  ASSERT_FALSE(second.has_value());
+  EXPECT_NE(second.error().message.find("--domain"), std::string::npos) << second.error().message;
+}
+
+TEST_F(RemoteEvaluation, RefusesAJobThatDoesNotFitTheChain) {
+  const auto evaluator = open(0);
+  Job bad = job(0);
+  bad.objectives = {{ObjectiveKind::shaped, {}}};
+  const auto tallies = evaluator->evaluate(trees_, bad);
+  ASSERT_FALSE(tallies.has_value());
+  EXPECT_EQ(tallies.error().kind, ErrorKind::bad_input);
+}
+
+}  // namespace
+}  // namespace coppice
