@@ -39,6 +39,9 @@ Result<Vocabulary> get_vocabulary(ByteReader& reader) {
     Feature feature;
     feature.name = reader.get_text();
     const auto operators = reader.get<std::uint8_t>();
+    if (operators > (kAdmitsEqual | kAdmitsLessEqual)) {
+      return bad_input(fmt::format("feature {} has operators {}: expected 0 to 3", i, operators));
+    }
     feature.admits_equal = (operators & kAdmitsEqual) != 0;
     feature.admits_less_equal = (operators & kAdmitsLessEqual) != 0;
     feature.values = reader.get_all<std::uint8_t>(reader.get<std::uint16_t>());

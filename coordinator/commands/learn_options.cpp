@@ -1,6 +1,7 @@
 #include "coordinator/commands/learn_options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -15,6 +16,7 @@ namespace coppice {
 namespace {
 
 constexpr std::uint32_t kThesisSteps = 150;  // thesis Table II
+constexpr std::uint64_t kPlainLines = 10;    // of progress, when standard error is no terminal
 
 nlohmann::ordered_json json_of(const LearnTask& task) {
   const LearnSettings& settings = task.settings;
@@ -109,7 +111,9 @@ Result<LearnReport> learn_study(const LearnTask& task, const std::string& path, 
   if (!folder.empty() && !std::filesystem::is_directory(folder, error)) {
     return bad_input(fmt::format("{}: the folder {} does not exist", path, folder.string()));
   }
-  Progress progress(stderr, progress_settings_for(stderr), "learn", "episodes", task.settings.episodes);
+  ProgressSettings shown = progress_settings_for(stderr);
+  shown.plain_every_done = std::max<std::uint64_t>(1, task.settings.episodes / kPlainLines);
+  Progress progress(stderr, shown, "learn", "episodes", task.settings.episodes);
   const Result<Learned> learned = learn(task.world, task.settings, [&](std::uint64_t episodes_done) {
     progress.update(episodes_done);
     return !stop.raised();

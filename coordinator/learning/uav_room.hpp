@@ -83,16 +83,18 @@ class UavRoom {
   // Cells here are floor cells, numbered in reading order; pose = cell * kHeadings + heading.
   std::size_t width_ = 0;
   std::size_t height_ = 0;
-  std::vector<std::uint32_t> cells_;    // [floor cells] index in the map
-  std::vector<std::uint32_t> after_;    // [poses x kActionWidth] the pose after an action; itself at a collision
-  std::vector<std::uint32_t> viewers_;  // [floor cells x kViewers] who sees the cell; nobody() where no one does
+  std::vector<std::uint32_t> cells_;  // [floor cells] index in the map
+  std::vector<std::uint32_t> after_;  // [poses x kActionWidth] the pose after an action; itself at a collision
+  std::vector<std::uint32_t>
+      viewers_;  // [floor cells x kViewers] the cell that sees it from there, or the one past the last
   std::uint32_t first_pose_ = 0;
   std::vector<std::uint64_t> first_codes_;
   std::vector<std::uint8_t> first_trash_;
   std::vector<std::uint32_t> first_empty_;
 
   std::uint32_t pose_ = 0;
-  std::vector<std::uint64_t> codes_;  // [floor cells + nobody] what would be observed there now, for each heading
+  std::vector<std::uint64_t>
+      codes_;  // [floor cells + 1] what is seen from there now, for each heading; the last is scratch
   std::vector<std::uint8_t> trash_;   // [floor cells] 1 where a piece lies
   std::vector<std::uint32_t> empty_;  // floor cells without trash, in no particular order
 };

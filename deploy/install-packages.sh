@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# Installs the Debian 12 packages that Coppice needs, those that are missing only.
+#   deploy/install-packages.sh           to build and run
+#   deploy/install-packages.sh tests     also to test
+#   deploy/install-packages.sh lint      also for clang-format, clang-tidy and fuzzing
+set -euo pipefail
+
+packages=(g++ cmake ninja-build cyclonedds-dev cyclonedds-tools libeigen3-dev libsuitesparse-dev libcli11-dev
+  libtomlplusplus-dev libsqlitecpp-dev libsqlite3-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libexpected-dev
+  libxxhash-dev graphviz)
+for group in "$@"; do
+  case $group in
+    tests) packages+=(libgtest-dev) ;;
+    lint) packages+=(clang-format clang-tidy-19 clang-19 libclang-rt-19-dev) ;;
+    *) echo "deploy/install-packages.sh: no group '$group': expected tests or lint" >&2; exit 2 ;;
+  esac
+done
+
+missing=()
+for package in "${packages[@]}"; do
+  if [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)" != installed ]; then
+    missing+=("$package")
+  fi
+done
+if [ ${#missing[@]} -eq 0 ]; then
+  exit 0
+fi
+
+root=()
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null || { echo "Run as root, or install: ${missing[*]}" >&2; exit 1; }
+  root=(sudo)
+fi
+echo "Installing ${missing[*]}"
+"${root[@]}" apt-get update -qq
+"${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}"

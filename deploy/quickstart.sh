@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# From nothing to a readable tree on a fresh Debian 12: installs what is missing, builds a release, and runs the main
+# job at the thesis' full scale with two worker processes. Arguments go to `coppice run`.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+deploy/install-packages.sh
+cmake --preset release -DCOPPICE_TESTS=OFF
+cmake --build --preset release
+exec build/release/bin/coppice run --workers 2 "$@"

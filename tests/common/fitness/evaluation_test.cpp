@@ -1,0 +1,215 @@
+// evaluate() against a walk written as plainly as can be, and against chains whose answers are known.
+#include "common/fitness/evaluation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/tree/tick.hpp"
+#include "tests/oracles/chains.hpp"
+#include "tests/oracles/trees.hpp"
+
+namespace coppice {
+namespace {
+
+std::shared_ptr<const PreparedChain> prepare(Chain chain) {
+  auto prepared = PreparedChain::make(std::make_shared<const Chain>(std::move(chain)));
+  EXPECT_TRUE(prepared.has_value());
+  return *prepared;
+}
+
+Tally evaluate(const std::shared_ptr<const PreparedChain>& chain, const Job& job, const Tree& tree) {
+  auto prepared = PreparedJob::make(chain, job);
+  EXPECT_TRUE(prepared.has_value()) << (prepared ? "" : prepared.error().message);
+  return Evaluation(*prepared).evaluate(tree);
+}
+
+std::vector<Objective> all_objectives(const Vocabulary& vocabulary) {
+  const ShapedRule trash{{Node::condition(0, Op::equal, 3), Node::condition(1, Op::equal, 3)}, 8, -4};
+  const ShapedRule wall{{Node::condition(5, Op::less_equal, 1)}, 1, -2};
+  EXPECT_GE(vocabulary.features.size(), 6U);
+  return {{ObjectiveKind::agreement, {}},
+          {ObjectiveKind::q_value, {}},
+          {ObjectiveKind::shaped, {trash, wall, {{}, 1, 0}}},
+          {ObjectiveKind::coverage, {}},
+          {ObjectiveKind::visits, {}},
+          {ObjectiveKind::expected_return, {}}};
+}
+
+// The reference: tick at every step, search the row of successors linearly, one walk at a time.
+Tally plain_evaluation(const Chain& chain, const Job& job, const std::vector<Objective>& objectives, const Tree& tree) {
+  Tally tally;
+  tally.nodes = static_cast<std::uint32_t>(tree.size());
+  tally.scores.assign(objectives.size(), 0);
+  const auto alias = AliasRows::make(chain);
+  std::vector<ScoreTable> tables;
+  for (const Objective& objective : objectives) {
+    tables.push_back(*make_score_table(chain, objective));
+  }
+  const auto score = [&](std::size_t state, ActionId action, bool walking) {
+    const std::size_t column = action == kNoAction ? chain.actions() : index_of(action);
+    for (std::size_t i = 0; i < objectives.size(); ++i) {
+      if (along_walk(objectives[i].kind) == walking) {
+        tally.scores[i] += tables[i].scores[state * (chain.actions() + 1) + column];
+      }
+    }
+  };
+  for (std::uint32_t rollout = 0; rollout < job.rollouts; ++rollout) {
+    std::uint32_t state = chain.initial_state();
+    for (std::uint32_t step = 0; step < job.steps; ++step) {
+      const ActionId action = tick(tree, chain.features_of(state));
+      tally.matches += action == chain.policy(state) ? 1 : 0;
+      ++tally.steps;
+      score(state, action, true);
+      const bool policy_acts =
+          job.acting == Acting::policy ||
+          (job.acting == Acting::mixed &&
+           draw({job.seed, Purpose::mixing, job.generation, rollout, step}) < job.policy_share);
+      const ActionId acting = policy_acts ? chain.policy(state) : action;
+      const std::size_t column = acting == kNoAction ? chain.actions() : index_of(acting);
+      state = alias->sample(state, column, draw({job.seed, Purpose::rollout, job.generation, rollout, step}),
+                            [](std::uint32_t) { return std::uint64_t{0}; });
+    }
+  }
+  for (std::size_t state = 0; state < chain.states(); ++state) {
+    score(state, tick(tree, chain.features_of(state)), false);
+  }
+  return tally;
+}
+
+TEST(Evaluation, EqualsThePlainWalkForEveryActingPolicyAndNumberOfRollouts) {
+  const Chain chain = oracles::random_chain({.states = 300, .actions = 3, .seed = 31});
+  const auto prepared = prepare(chain);
+  const auto trees = oracles::random_trees(chain.vocabulary(), 40, 3);
+  for (const Acting acting : {Acting::tree, Acting::policy, Acting::mixed}) {
+    for (const std::uint32_t rollouts : {1U, 2U, 5U, 7U, 8U, 9U, 19U}) {
+      Job job;
+      job.objectives = all_objectives(chain.vocabulary());
+      job.rollouts = rollouts;
+      job.steps = 37;
+      job.acting = acting;
+      job.policy_share = std::uint64_t{1} << 62U;
+      job.seed = 99;
+      job.generation = rollouts;
+      for (const Tree& tree : trees) {
+        ASSERT_EQ(evaluate(prepared, job, tree), plain_evaluation(chain, job, job.objectives, tree));
+      }
+    }
+  }
+}
+
+TEST(Evaluation, DependsOnTheSeedAndTheGeneration) {
+  const auto prepared = prepare(oracles::random_chain({.states = 300, .seed = 8}));
+  const Tree tree = oracles::random_trees(prepared->chain().vocabulary(), 9, 5).back();
+  Job job;
+  job.seed = 1;
+  const Tally first = evaluate(prepared, job, tree);
+  EXPECT_EQ(first, evaluate(prepared, job, tree));
+  int different = 0;
+  for (std::uint32_t generation = 1; generation <= 5; ++generation) {
+    job.generation = generation;
+    different += evaluate(prepared, job, tree).matches == first.matches ? 0 : 1;
+  }
+  EXPECT_GE(different, 2);
+}
+
+TEST(Evaluation, IsTheSameForTreesThatMeanTheSame) {
+  const auto prepared = prepare(oracles::random_chain({.states = 200, .seed = 6}));
+  Job job;
+  const Tree move(ActionId{1});
+  const auto wrapped = Tree::from_nodes({Node::composite(NodeKind::selector, 3), Node::composite(NodeKind::sequence, 2),
+                                         Node::action(ActionId{1})});
+  ASSERT_TRUE(wrapped.has_value());
+  EXPECT_EQ(evaluate(prepared, job, move).matches, evaluate(prepared, job, *wrapped).matches);
+}
+
+TEST(Evaluation, WithoutAnActionHoldsTheStateAndNeverAgrees) {
+  const auto prepared = prepare(oracles::random_chain({.states = 200, .seed = 6}));
+  const Node never = Node::condition(0, Op::equal, 0);
+  const Node also = Node::condition(0, Op::equal, 1);
+  const auto tree = Tree::from_nodes({Node::composite(NodeKind::sequence, 4), never, also, Node::action(ActionId{0})});
+  Job job;
+  job.objectives = {{ObjectiveKind::agreement, {}}, {ObjectiveKind::expected_return, {}}, {ObjectiveKind::coverage, {}}};
+  const Tally tally = evaluate(prepared, job, *tree);
+  EXPECT_EQ(tally.matches, 0U);
+  EXPECT_EQ(tally.scores, (std::vector<std::int64_t>{0, 0, 0}));
+}
+
+// Mean of a Bernoulli or bounded quantity over n independent walks: within 5 standard errors.
+TEST(ClosedForm, KnuthsDieIsFairAndTakesElevenThirdsFlips) {
+  const auto prepared = prepare(oracles::knuth_die());
+  const Tree flip(ActionId{0});
+  Job job;
+  job.objectives = {{ObjectiveKind::expected_return, {}}};  // 1 a flip
+  job.rollouts = 40'000;
+  job.steps = 200;  // all but 2^-100 of the walks are over
+  const Tally tally = evaluate(prepared, job, flip);
+  const double flips = static_cast<double>(tally.scores[0]) / kScoreOne / job.rollouts;
+  // Variance of the number of flips: 3 + 2 G flips with P(another round) = 1/4, so 4 x (1/4) / (3/4)^2 = 16/9.
+  EXPECT_NEAR(flips, 11.0 / 3.0, 5 * std::sqrt(16.0 / 9.0 / job.rollouts));
+}
+
+TEST(ClosedForm, KnuthsDieShowsEveryFaceEquallyOften) {
+  // Faces are told apart by shaped rules: 1 for the steps spent in face f after all walks are over.
+  const Chain chain = oracles::knuth_die();
+  const auto prepared = prepare(chain);
+  Job job;
+  job.rollouts = 20'000;
+  job.steps = 60;
+  for (std::uint32_t face = 7; face < 13; ++face) {
+    // Wrong weights pick the states that differ from the face in a bit; what is left is the face itself.
+    ShapedRule others{{}, 0, 0};
+    for (std::uint8_t bit = 0; bit < 4; ++bit) {
+      others.any_of.push_back(Node::condition(bit, Op::equal, static_cast<std::uint8_t>(1U - (face >> bit & 1U))));
+    }
+    job.objectives = {{ObjectiveKind::shaped, {others, {{}, 1, 1}}}};
+    const Tally tally = evaluate(prepared, job, Tree(ActionId{0}));
+    // A walk that ends in the face spends steps - flips there: 60 - (flips to this face), whose mean is below 60 - 3.
+    const double share = static_cast<double>(tally.scores[0]) / job.rollouts / (job.steps - 11.0 / 3.0);
+    EXPECT_NEAR(share, 1.0 / 6.0, 5 * std::sqrt(5.0 / 36.0 / job.rollouts) + 0.002) << "face " << face - 6;
+  }
+}
+
+TEST(ClosedForm, TheGamblerIsRuinedAsOftenAsTheFormulaSays) {
+  for (const auto& [wins, losses] : {std::pair{9U, 10U}, {10U, 9U}, {1U, 2U}}) {
+    const oracles::Gambler gambler{.fortune = 4, .goal = 10, .wins = wins, .losses = losses};
+    const auto prepared = prepare(oracles::gamblers_ruin(gambler));
+    Job job;
+    job.objectives = {{ObjectiveKind::expected_return, {}}};
+    job.rollouts = 12'000;
+    job.steps = 1000;  // P(still playing) is below 1e-9
+    const Tally tally = evaluate(prepared, job, Tree(ActionId{0}));
+    // The recorded reward is the row's mean: wins / (wins + losses) in the state next to the goal, on every bet there, which
+    // in expectation is 1 for every arrival.
+    const double r = static_cast<double>(losses) / wins;
+    const double expected = (1 - std::pow(r, gambler.fortune)) / (1 - std::pow(r, gambler.goal));
+    const double mean = static_cast<double>(tally.scores[0]) / kScoreOne / job.rollouts;
+    EXPECT_NEAR(mean, expected, 5 * std::sqrt(0.5 / job.rollouts)) << wins << ":" << losses;
+  }
+}
+
+TEST(PreparedJob, RefusesWhatDoesNotFit) {
+  const auto prepared = prepare(oracles::knuth_die());
+  Job job;
+  job.objectives = {{ObjectiveKind::shaped, {}}};
+  EXPECT_FALSE(PreparedJob::make(prepared, job).has_value());
+  job.objectives = {{ObjectiveKind::shaped, {{{Node::condition(9, Op::equal, 0)}, 1, 0}}}};
+  EXPECT_FALSE(PreparedJob::make(prepared, job).has_value());
+  job = {};
+  job.rollouts = 0;
+  EXPECT_FALSE(PreparedJob::make(prepared, job).has_value());
+  job = {};
+  job.rollouts = kMaxRollouts;
+  job.steps = kMaxSteps;
+  EXPECT_FALSE(PreparedJob::make(prepared, job).has_value());
+}
+
+TEST(Objective, NamesGoBothWays) {
+  for (std::uint8_t kind = 0; kind < kObjectiveKinds; ++kind) {
+    EXPECT_EQ(*objective_named(name_of(static_cast<ObjectiveKind>(kind))), static_cast<ObjectiveKind>(kind));
+  }
+  EXPECT_FALSE(objective_named("agreemnt").has_value());
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,268 @@
+// The bookkeeping as sequences of calls; time is whatever the test says it is.
+#include "coordinator/dispatch/in_flight.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "common/chain/random.hpp"
+#include "coordinator/dispatch/batch_size.hpp"
+
+namespace coppice {
+namespace {
+
+using namespace std::chrono_literals;
+using Farewell = InFlight::Farewell;
+using Settled = InFlight::Settled;
+
+constexpr WorkerId kAnn{1};
+constexpr WorkerId kBen{2};
+constexpr InFlight::Time kStart{};
+
+InFlight two_workers(const InFlightLimits& limits = {}) {
+  InFlight flight(limits);
+  flight.add_worker(kAnn);
+  flight.add_worker(kBen);
+  return flight;
+}
+
+TEST(InFlight, HandsOutEverySlotOnceAndIsDoneWhenAllAreSettled) {
+  InFlight flight = two_workers();
+  flight.begin(10);
+  const auto first = flight.offer(kAnn, 6, kStart, 1s);
+  const auto second = flight.offer(kBen, 6, kStart, 1s);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->first, 0U);
+  EXPECT_EQ(first->count, 6U);
+  EXPECT_EQ(second->first, 6U);
+  EXPECT_EQ(second->count, 4U);
+  EXPECT_FALSE(flight.offer(kAnn, 1, kStart, 1s));
+  EXPECT_EQ(flight.settle(first->id, kAnn).fresh.size(), 6U);
+  EXPECT_FALSE(flight.done());
+  EXPECT_EQ(flight.settle(second->id, kBen).kind, Settled::first);
+  EXPECT_TRUE(flight.done());
+}
+
+TEST(InFlight, KeepsToTheCredit) {
+  InFlight flight = two_workers({.credit = 2});
+  flight.begin(10);
+  EXPECT_TRUE(flight.offer(kAnn, 1, kStart, 1s));
+  const auto second = flight.offer(kAnn, 1, kStart, 1s);
+  ASSERT_TRUE(second);
+  EXPECT_FALSE(flight.can_take(kAnn));
+  EXPECT_FALSE(flight.offer(kAnn, 1, kStart, 1s));
+  flight.settle(second->id, kAnn);
+  EXPECT_TRUE(flight.offer(kAnn, 1, kStart, 1s));
+}
+
+TEST(InFlight, CountsADuplicateAndAForeignAnswerAsNothing) {
+  InFlight flight = two_workers();
+  flight.begin(2);
+  const auto batch = flight.offer(kAnn, 2, kStart, 1s);
+  EXPECT_EQ(flight.settle(batch->id, kBen).kind, Settled::foreign);
+  EXPECT_EQ(flight.settle(BatchId{99}, kAnn).kind, Settled::foreign);
+  EXPECT_EQ(flight.settle(batch->id, kAnn).kind, Settled::first);
+  EXPECT_EQ(flight.settle(batch->id, kAnn).kind, Settled::foreign);
+  EXPECT_TRUE(flight.done());
+}
+
+TEST(InFlight, OffersALostWorkersSlotsFirst) {
+  InFlight flight = two_workers();
+  flight.begin(10);
+  flight.offer(kAnn, 4, kStart, 1s);
+  const auto loss = flight.lose_worker(kAnn, Farewell::died);
+  EXPECT_EQ(loss.batches, 1U);
+  EXPECT_TRUE(loss.poisonous.empty());
+  const auto again = flight.offer(kBen, 10, kStart, 1s);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->first, 0U);
+  EXPECT_EQ(again->count, 4U);
+}
+
+TEST(InFlight, TakesALateAnswerOfALostWorker) {
+  InFlight flight = two_workers();
+  flight.begin(4);
+  const auto batch = flight.offer(kAnn, 4, kStart, 1s);
+  flight.lose_worker(kAnn, Farewell::died);
+  EXPECT_EQ(flight.settle(batch->id, kAnn).fresh.size(), 4U);
+  EXPECT_TRUE(flight.done());
+  EXPECT_EQ(flight.waiting(), 0U);
+}
+
+TEST(InFlight, OffersACopyOfAnOverdueBatchAndTakesWhicheverAnswersFirst) {
+  InFlight flight = two_workers();
+  flight.begin(4);
+  const auto original = flight.offer(kAnn, 4, kStart, 1s);
+  EXPECT_FALSE(flight.offer_copy(kBen, kStart + 999ms, 1s));
+  EXPECT_EQ(flight.next_due(), kStart + 1s);
+  const auto copy = flight.offer_copy(kBen, kStart + 1s, 1s);
+  ASSERT_TRUE(copy);
+  EXPECT_EQ(copy->count, 4U);
+  EXPECT_EQ(flight.settle(copy->id, kBen).fresh.size(), 4U);
+  EXPECT_TRUE(flight.done());
+  EXPECT_EQ(flight.settle(original->id, kAnn).kind, Settled::duplicate);
+  EXPECT_EQ(flight.load(kAnn), 0U);
+}
+
+TEST(InFlight, MakesNoMoreCopiesThanItsLimit) {
+  InFlight flight({.credit = 1, .copies = 1});
+  for (std::uint64_t w = 1; w <= 4; ++w) {
+    flight.add_worker(WorkerId{w});
+  }
+  flight.begin(1);
+  flight.offer(WorkerId{1}, 1, kStart, 1s);
+  EXPECT_TRUE(flight.offer_copy(WorkerId{2}, kStart + 1s, 1s));
+  EXPECT_FALSE(flight.offer_copy(WorkerId{3}, kStart + 1s, 1s));
+}
+
+TEST(InFlight, ChargesLeftoversOfEarlierGenerationsToTheirWorker) {
+  InFlight flight = two_workers({.credit = 1});
+  flight.begin(1);
+  flight.offer(kAnn, 1, kStart, 1s);
+  const auto copy = flight.offer_copy(kBen, kStart + 1s, 1s);
+  flight.settle(copy->id, kBen);
+  flight.begin(2);
+  EXPECT_FALSE(flight.can_take(kAnn));  // still at work on the old batch
+  EXPECT_TRUE(flight.can_take(kBen));
+}
+
+TEST(InFlight, SendsASlotThatKilledWorkersAloneAndGivesUpAtTheLimit) {
+  InFlight flight({.credit = 2, .attempts = 4, .isolate_after = 2});
+  flight.begin(5);
+  std::vector<std::uint32_t> poisonous;
+  std::uint64_t next = 1;
+  for (int death = 0; death < 4; ++death) {
+    const WorkerId worker{next++};
+    flight.add_worker(worker);
+    // The worker dies with slot 0; everything else that it was given beside it is settled first.
+    std::vector<Batch> held;
+    while (const auto batch = flight.offer(worker, 5, kStart, 1s)) {
+      held.push_back(*batch);
+    }
+    ASSERT_FALSE(held.empty());
+    if (death >= 2) {
+      ASSERT_EQ(held.size(), 1U);  // alone
+      EXPECT_EQ(held.front().count, 1U);
+      EXPECT_EQ(held.front().first, 0U);
+    }
+    const auto loss = flight.lose_worker(worker, Farewell::died);
+    poisonous.insert(poisonous.end(), loss.poisonous.begin(), loss.poisonous.end());
+    // A healthy worker does the rest, and nothing but the rest.
+    if (death == 1) {
+      const WorkerId healthy{100};
+      flight.add_worker(healthy);
+      std::size_t settled = 0;
+      for (int i = 0; i < 4; ++i) {
+        // Slot 0 stands first and alone: the healthy worker takes it and gives it back.
+        const auto batch = flight.offer(healthy, 1, kStart, 1s);
+        ASSERT_TRUE(batch);
+        if (batch->first == 0) {
+          break;
+        }
+        settled += flight.settle(batch->id, healthy).fresh.size();
+      }
+      flight.lose_worker(healthy, Farewell::left);
+    }
+  }
+  ASSERT_FALSE(poisonous.empty());
+  EXPECT_EQ(poisonous.front(), 0U);
+}
+
+TEST(InFlight, DoesNotSuspectTheSlotsOfAWorkerThatLeft) {
+  InFlight flight({.credit = 1, .attempts = 2, .isolate_after = 1});
+  flight.begin(1);
+  for (std::uint64_t w = 1; w <= 10; ++w) {
+    flight.add_worker(WorkerId{w});
+    ASSERT_TRUE(flight.offer(WorkerId{w}, 1, kStart, 1s));
+    EXPECT_TRUE(flight.lose_worker(WorkerId{w}, Farewell::left).poisonous.empty());
+  }
+  EXPECT_EQ(flight.unsettled(), 1U);
+}
+
+TEST(InFlight, AbandonsAGenerationAndStartsTheNext) {
+  InFlight flight = two_workers({.credit = 1});
+  flight.begin(3);
+  const auto old = flight.offer(kAnn, 3, kStart, 1s);
+  flight.abandon();
+  EXPECT_TRUE(flight.done());
+  flight.begin(2);
+  EXPECT_EQ(flight.settle(old->id, kAnn).kind, Settled::duplicate);
+  EXPECT_EQ(flight.unsettled(), 2U);
+}
+
+// Whatever happens, in any order: every slot is settled exactly once and nothing is lost.
+TEST(InFlight, SettlesEverySlotExactlyOnceUnderRandomFaults) {
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    Xoshiro256 random(seed);
+    InFlight flight({.credit = 1 + random.below(3), .attempts = 1'000'000, .isolate_after = 1 + static_cast<std::uint32_t>(random.below(4))});
+    std::set<WorkerId> alive;
+    std::vector<std::pair<BatchId, WorkerId>> out;
+    std::uint64_t next_worker = 1;
+    InFlight::Time now = kStart;
+    for (int generation = 0; generation < 4; ++generation) {
+      const auto slots = static_cast<std::uint32_t>(1 + random.below(60));
+      std::vector<int> settled(slots, 0);
+      flight.begin(slots);
+      for (int event = 0; !flight.done(); ++event) {
+        ASSERT_LT(event, 100'000) << "seed " << seed << ": stuck";
+        now += 100ms;
+        const std::uint64_t kind = random.below(100);
+        if (alive.empty() || kind < 4) {
+          const WorkerId worker{next_worker++};
+          alive.insert(worker);
+          flight.add_worker(worker);
+          continue;
+        }
+        const WorkerId worker = *std::next(alive.begin(), static_cast<std::ptrdiff_t>(random.below(alive.size())));
+        if (kind < 6) {
+          flight.lose_worker(worker, random.below(2) == 0 ? Farewell::died : Farewell::left);
+          alive.erase(worker);  // its answers may still come
+        } else if (kind < 50) {
+          if (const auto batch = flight.offer(worker, 1 + static_cast<std::uint32_t>(random.below(20)), now, 1s)) {
+            out.emplace_back(batch->id, worker);
+          } else if (const auto copy = flight.offer_copy(worker, now, 1s)) {
+            out.emplace_back(copy->id, worker);
+          }
+        } else if (!out.empty()) {
+          const std::size_t pick = random.below(out.size());
+          const auto [batch, from] = out[pick];
+          if (kind < 55) {
+            flight.give_back(batch, from);
+          } else {
+            const auto settlement = flight.settle(batch, from);
+            for (const std::uint32_t slot : settlement.fresh) {
+              ++settled[slot];
+            }
+          }
+          out.erase(out.begin() + static_cast<std::ptrdiff_t>(pick));
+        }
+      }
+      EXPECT_TRUE(std::all_of(settled.begin(), settled.end(), [](int count) { return count == 1; })) << "seed " << seed;
+    }
+  }
+}
+
+TEST(BatchSize, SharesAGenerationAmongTheLanes) {
+  EXPECT_EQ(batch_size({.waiting = 100, .lanes = 2, .each = 1ms}), 20U);     // 20 ms is the longest
+  EXPECT_EQ(batch_size({.waiting = 100, .lanes = 2, .each = 100us}), 25U);   // half a share: guided
+  EXPECT_EQ(batch_size({.waiting = 100, .lanes = 2, .each = 1us}), 50U);     // not worth splitting further
+  EXPECT_EQ(batch_size({.waiting = 1, .lanes = 64, .each = 1us}), 1U);
+  EXPECT_EQ(batch_size({.waiting = 100, .lanes = 2, .each = 10s}), 1U);
+}
+
+TEST(BatchSize, ShrinksAsTheGenerationEmpties) {
+  std::uint32_t waiting = 1000;
+  std::uint32_t last = waiting;
+  while (waiting > 0) {
+    const std::uint32_t size = batch_size({.waiting = waiting, .lanes = 4, .each = 100us});
+    ASSERT_GE(size, 1U);
+    ASSERT_LE(size, waiting);
+    EXPECT_LE(size, last);
+    last = size;
+    waiting -= size;
+  }
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,69 @@
+#include "coordinator/report/whole_file.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <iterator>
+#include <string>
+#include <vector>
+
+namespace coppice {
+namespace {
+
+namespace fs = std::filesystem;
+
+class WholeFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "coppice-test-XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string content(const char* name) const {
+    std::ifstream in(folder_ / name);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  std::size_t files() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(WholeFile, ReplacesWhatWasThere) {
+  ASSERT_TRUE(write_whole_file(folder_ / "a.txt", "one"));
+  ASSERT_TRUE(write_whole_file(folder_ / "a.txt", "two"));
+  EXPECT_EQ(content("a.txt"), "two");
+  EXPECT_EQ(files(), 1U);
+}
+
+TEST_F(WholeFile, AFailureHalfwayLeavesTheOldContentAndNothingElse) {
+  ASSERT_TRUE(write_whole_file(folder_ / "a.txt", "old"));
+  const auto written = produce_whole_file(folder_ / "a.txt", [](const fs::path& temporary) -> Result<void> {
+    std::ofstream(temporary) << "half";
+    return failed("the ink ran out");
+  });
+  ASSERT_FALSE(written);
+  EXPECT_NE(written.error().message.find("a.txt: the ink ran out"), std::string::npos) << written.error().message;
+  EXPECT_EQ(content("a.txt"), "old");
+  EXPECT_EQ(files(), 1U);
+}
+
+TEST_F(WholeFile, AFolderThatIsMissingIsNamed) {
+  const auto written = write_whole_file(folder_ / "nowhere" / "a.txt", "text");
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().kind, ErrorKind::failed);
+  EXPECT_NE(written.error().message.find("nowhere/a.txt"), std::string::npos) << written.error().message;
+  EXPECT_EQ(files(), 0U);
+}
+
+TEST_F(WholeFile, AProducerThatWritesNothingIsAFailure) {
+  EXPECT_FALSE(produce_whole_file(folder_ / "a.txt", [](const fs::path&) -> Result<void> { return {}; }));
+  EXPECT_EQ(files(), 0U);
+}
+
+}  // namespace
+}  // namespace coppice

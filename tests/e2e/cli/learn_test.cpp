@@ -1,0 +1,70 @@
+#include <fstream>
+#include <signal.h>
+
+#include "tests/e2e/cli/command_line.hpp"
+
+namespace coppice::e2e {
+namespace {
+
+using Learn = CommandLine;
+
+TEST_F(Learn, MakesAStudyAndReportsWhatItLearned) {
+  const auto report = coppice_json({"learn", "-o", "a.coppice", "--episodes", "300", "--seed", "7", "--json"});
+  EXPECT_EQ(report["settings"]["episodes"], 300);
+  EXPECT_EQ(report["settings"]["seed"], 7);
+  EXPECT_EQ(report["outcome"]["steps"], 300 * 150);
+  EXPECT_EQ(files(), std::vector<std::string>{"a.coppice"});
+  const auto info = coppice_json({"info", "a.coppice", "--json"});
+  EXPECT_EQ(info["states"], report["outcome"]["states"]);
+  EXPECT_EQ(info["learning"]["settings"], report["settings"]);
+}
+
+TEST_F(Learn, TheSameSeedGivesTheSameChainAndAnotherSeedAnother) {
+  for (const auto& [file, seed] : {std::pair{"a.coppice", "7"}, {"b.coppice", "7"}, {"c.coppice", "8"}}) {
+    ASSERT_EQ(coppice({"learn", "-o", file, "--episodes", "200", "--seed", seed}).ending, kDone);
+  }
+  const auto chain = [&](const char* file) { return coppice_json({"info", file, "--json"})["chain"]; };
+  EXPECT_EQ(chain("a.coppice"), chain("b.coppice"));
+  EXPECT_NE(chain("a.coppice"), chain("c.coppice"));
+}
+
+TEST_F(Learn, TheWindyGridHasItsOwnFeaturesAndActions) {
+  ASSERT_EQ(
+      coppice({"learn", "-o", "w.coppice", "--world", "windy", "--algorithm", "sarsa", "--episodes", "200"}).ending,
+      kDone);
+  const auto info = coppice_json({"info", "w.coppice", "--json"});
+  EXPECT_EQ(info["world"], "windy");
+  EXPECT_EQ(info["actions"].size(), 4U);
+  EXPECT_FALSE(info.contains("states_with_wall_ahead"));
+}
+
+TEST_F(Learn, AnExistingStudyIsNotOverwritten) {
+  learn_study();
+  const std::string before = read("study.coppice");
+  expect_wrong_use({"learn", "-o", "study.coppice", "--episodes", "10"}, {"study.coppice", "exists already"});
+  EXPECT_EQ(read("study.coppice"), before);
+}
+
+TEST_F(Learn, WrongFlagsAndRoomsLeaveNoFile) {
+  write("bad.room", "####\n#.x#\n####\n");
+  expect_wrong_use({"learn", "-o", "a.coppice", "--alpha", "7"}, {"--alpha", "7"});
+  expect_wrong_use({"learn", "-o", "a.coppice", "--episodes", "-5"}, {"--episodes", "-5"});
+  expect_wrong_use({"learn", "-o", "a.coppice", "--seed", "99999999999999999999"}, {"--seed", "99999999999999999999"});
+  expect_wrong_use({"learn", "-o", "a.coppice", "--decay", "never"}, {"--decay", "never", "thesis"});
+  expect_wrong_use({"learn", "-o", "a.coppice", "--algorithm", "dqn"}, {"--algorithm", "dqn", "sarsa"});
+  expect_wrong_use({"learn", "-o", "a.coppice", "--world", "bad.room"}, {"bad.room", "line 2"});
+  expect_wrong_use({"learn", "-o", "nowhere/a.coppice"}, {"nowhere"});
+  EXPECT_EQ(files(), std::vector<std::string>{"bad.room"});
+}
+
+TEST_F(Learn, AnInterruptionLeavesNoFile) {
+  Process process(command({"learn", "-o", "a.coppice", "--episodes", "4000000000"}));
+  process.await_blocked(SIGINT);
+  process.signal(SIGINT);
+  EXPECT_EQ(process.wait(), kFailed);
+  EXPECT_NE(process.rest_of_error().find("coppice: "), std::string::npos);
+  EXPECT_TRUE(files().empty());
+}
+
+}  // namespace
+}  // namespace coppice::e2e
