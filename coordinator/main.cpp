@@ -74,6 +74,9 @@ int run(int argc, char** argv) {
     const Result<void> flushed = flush_output();
     return flushed ? 0 : complain(flushed.error().message, kExitFailed);
   } catch (const CLI::ParseError& error) {
+    if (app.get_subcommands().empty() && !app.remaining().empty()) {
+      return complain(fmt::format("'{}' is no command (see coppice --help)", app.remaining().front()), kExitWrongUse);
+    }
     return complain(fmt::format("{} (see {} --help)", error.what(), spoken_to(app)), kExitWrongUse);
   }
   coppice::log_to(stderr, spdlog::level::from_str(log_level));

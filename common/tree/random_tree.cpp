@@ -28,7 +28,7 @@ class Growth {
 
   void grow(std::size_t depth, bool composite_wanted) {
     const std::size_t free = kMaxTreeNodes - promised_;
-    if (depth == shape_.max_depth || free < kMinChildren || !(composite_wanted || below_(2) == 0)) {
+    if (depth == shape_.max_depth || free < kMinChildren || !(composite_wanted || below_(4) != 0)) {
       nodes_.push_back(random_leaf(vocabulary_, below_));
       return;
     }

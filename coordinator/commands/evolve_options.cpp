@@ -35,7 +35,7 @@ std::string progress_text(const GenerationRecord& record, const DispatchStatisti
       fmt::format("best {:.3f}, mean {:.3f}, {} nodes (mean {:.0f}), {} evaluations/s", record.best.fitness,
                   record.mean_fitness, record.best_nodes(), record.mean_nodes, count_text(rate));
   if (!serial) {
-    text += fmt::format(", {} workers", statistics.workers_alive);
+    text += fmt::format(", {} worker{}", statistics.workers_alive, statistics.workers_alive == 1 ? "" : "s");
   }
   return text;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
@@ -139,7 +140,8 @@ std::uint32_t learned_steps(const Study& study) {
   if (!settings.is_object() || !settings.contains("steps") || !settings["steps"].is_number_unsigned()) {
     return kThesisSteps;
   }
-  return settings["steps"].get<std::uint32_t>();
+  const auto steps = settings["steps"].get<std::uint64_t>();
+  return steps <= std::numeric_limits<std::uint32_t>::max() ? static_cast<std::uint32_t>(steps) : kThesisSteps;
 }
 
 }  // namespace coppice

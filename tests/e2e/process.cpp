@@ -9,7 +9,7 @@
 #include <signal.h>
 #include <spawn.h>
 #include <stdexcept>
-#include <sys/pidfd.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <system_error>
 #include <thread>
@@ -100,7 +100,7 @@ Process::Process(const Command& command) {
   output_.descriptor = output.read_end;
   error_.descriptor = error.read_end;
   check(failure, command.program.c_str());
-  ended_ = pidfd_open(pid_, 0);
+  ended_ = static_cast<int>(syscall(SYS_pidfd_open, pid_, 0));  // sys/pidfd.h of glibc 2.36 is not for C++
   check(ended_ >= 0 ? 0 : errno, "pidfd_open");
   for (const Stream* stream : {&output_, &error_}) {
     fcntl(stream->descriptor, F_SETFL, O_NONBLOCK);

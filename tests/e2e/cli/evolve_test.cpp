@@ -83,10 +83,10 @@ TEST_F(Evolve, AWorkerProgramThatIsMissingIsAFailure) {
 
 TEST_F(Evolve, AnInterruptionKeepsTheBestSoFarAndResumeGoesOn) {
   const std::vector<std::string> endless = {
-      "evolve", "study.coppice",    "--serial",      "--set", "ga.generations=1000000",
+      "evolve", "study.coppice",    "--serial",      "--set", "ga.generations=100000",
       "--set",  "ga.population=20", "--lines-every", "1"};
   Process process(command(endless));
-  process.await_error("evolve: 5/1000000 generations");
+  process.await_error("evolve: 5/100000 generations");
   process.signal(SIGINT);
   EXPECT_EQ(process.wait(), kFailed);
   EXPECT_NE(process.rest_of_output().find("pruned, "), std::string::npos);
@@ -100,7 +100,7 @@ TEST_F(Evolve, AnInterruptionKeepsTheBestSoFarAndResumeGoesOn) {
   EXPECT_EQ(coppice({"score", "study.coppice", "--episodes", "2"}).ending, kDone);
 
   Process resumed(command({"evolve", "study.coppice", "--serial", "--resume", "--lines-every", "1"}));
-  resumed.await_error("evolve: " + std::to_string(saved + 1) + "/1000000 generations");
+  resumed.await_error("evolve: " + std::to_string(saved + 1) + "/100000 generations");
   resumed.signal(SIGTERM);
   EXPECT_EQ(resumed.wait(), kFailed);
   const auto runs = coppice_json({"info", "study.coppice", "--json"})["runs"];

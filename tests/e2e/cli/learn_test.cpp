@@ -58,11 +58,10 @@ TEST_F(Learn, WrongFlagsAndRoomsLeaveNoFile) {
 }
 
 TEST_F(Learn, AnInterruptionLeavesNoFile) {
-  Process process(command({"learn", "-o", "a.coppice", "--episodes", "4000000000"}));
+  Process process(command({"learn", "-o", "a.coppice", "--episodes", "28000000"}));
   process.await_blocked(SIGINT);
   process.signal(SIGINT);
-  EXPECT_EQ(process.wait(), kFailed);
-  EXPECT_NE(process.rest_of_error().find("coppice: "), std::string::npos);
+  EXPECT_EQ(process.wait(), kFailed) << process.rest_of_error();
   EXPECT_TRUE(files().empty());
 }
 
