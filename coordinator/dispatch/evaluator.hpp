@@ -35,9 +35,10 @@ class Evaluator {
   Evaluator& operator=(const Evaluator&) = delete;
   virtual ~Evaluator() = default;
 
-  // One tally per tree, in the order of the trees. REQUIRES: every tree passed check_tree() for the chain.
-  // Errors: interrupted (the stop flag was raised); failed (no worker within the limit); bad_input (the job does
-  // not fit the chain).
+  // One tally per tree, in the order of the trees. A tree that could not be evaluated (too many workers were lost with
+  // it) has a tally of 0 steps, and is reported. REQUIRES: every tree passed check_tree() for the chain. Errors:
+  // interrupted (the stop flag was raised); failed (no worker within the limit); bad_input (the job does not fit the
+  // chain).
   virtual Result<std::vector<Tally>> evaluate(std::span<const Tree> trees, const Job& job) = 0;
 
   virtual DispatchStatistics statistics() const = 0;

@@ -241,8 +241,8 @@ InFlight::Loss InFlight::lose_worker(WorkerId worker, Farewell farewell) {
       continue;
     }
     ++loss.batches;
-    for (std::uint32_t slot = out.batch.first;
-         farewell == Farewell::died && slot < out.batch.first + out.batch.count; ++slot) {
+    for (std::uint32_t slot = out.batch.first; farewell == Farewell::died && slot < out.batch.first + out.batch.count;
+         ++slot) {
       if (!settled_[slot] && ++attempts_[slot] >= limits_.attempts) {
         settle_slot(slot);
         loss.poisonous.push_back(slot);

@@ -25,8 +25,7 @@ constexpr int kPatienceFactor = 4;  // times the measured cost of all that the w
 constexpr std::size_t kMostPerTake = 1024;
 constexpr std::size_t kMaxRemembered = 4096;  // sources that were logged
 constexpr std::size_t kTaskBytes =
-    64 * 1024;  // a task's trees; far below the contract's bound, one UDP datagram's size
-constexpr std::int64_t kPoisonScore = -(std::int64_t{1} << 50U);
+    64 * 1024;                                // a task's trees; far below the contract's bound, one UDP datagram's size
 constexpr std::uint32_t kLocalDomains = 200;  // domains 1..200 are for local runs, 0 is the default for others
 
 template <typename T>
@@ -366,8 +365,7 @@ void RemoteEvaluator::lose(WorkerId id, const std::string& why) {
                   options_.limits.attempts);
     Tally& tally = tallies_[slot];
     tally.nodes = static_cast<std::uint32_t>(trees_[slot].size());
-    tally.steps = job_steps_;
-    tally.scores.assign(job_.objectives.size(), kPoisonScore);
+    tally.scores.assign(job_.objectives.size(), 0);
   }
 }
 

@@ -1,12 +1,11 @@
 // Serial equals remote, bit for bit, with real worker processes over real DDS on the loopback interface, whatever
 // happens to the workers. Faults are injected when a batch has just gone out, so they hit in mid-generation.
-#include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-
 #include <chrono>
+#include <gtest/gtest.h>
 #include <memory>
 #include <set>
+#include <signal.h>
+#include <sys/wait.h>
 #include <vector>
 
 #include "coordinator/dispatch/remote_evaluator.hpp"

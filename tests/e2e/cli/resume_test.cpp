@@ -1,0 +1,81 @@
+// A coordinator that is killed loses nothing: resumed, it ends with the very result of a run that was left alone.
+#include <signal.h>
+
+#include "tests/e2e/cli/command_line.hpp"
+
+namespace coppice::e2e {
+namespace {
+
+class Resume : public CommandLine {
+ protected:
+  void SetUp() override { learn_study(); }
+
+  static std::vector<std::string> evolve(const std::string& study, std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"evolve", study};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+
+  // The run's figures without those that say how and how fast they were computed.
+  static nlohmann::json figures(nlohmann::json report) {
+    for (const char* differs : {"study", "evaluator", "seconds", "dispatch"}) {
+      report.erase(differs);
+    }
+    return report;
+  }
+
+  // Every generation's statistics, as the study holds them.
+  nlohmann::json runs(const std::string& study) const {
+    nlohmann::json list = coppice_json({"info", study, "--json"})["runs"];
+    for (nlohmann::json& run : list) {
+      for (const char* differs : {"evaluator", "started", "ended"}) {
+        run.erase(differs);
+      }
+      if (run.contains("result")) {
+        run["result"] = figures(run["result"]);
+      }
+    }
+    return list;
+  }
+};
+
+TEST_F(Resume, AfterTheCoordinatorWasKilledAgainAndAgainGivesTheSameResult) {
+  write("other.coppice", read("study.coppice"));
+  const std::vector<std::string> settings = {"--seed", "4", "--set", "ga.generations=60", "--set", "ga.population=50"};
+  std::vector<std::string> alone = settings;
+  alone.insert(alone.end(), {"--serial", "--json"});
+  const auto expected = coppice_json(evolve("other.coppice", alone));
+
+  std::vector<std::string> first = settings;
+  first.insert(first.end(), {"--workers", "2", "--lines-every", "1"});
+  Process killed(command(evolve("study.coppice", first)));
+  killed.await_error("evolve: 7/60");
+  killed.signal(SIGKILL);
+  EXPECT_EQ(killed.wait().signal, SIGKILL);
+  for (const char* line : {"evolve: 20/60", "evolve: 41/60"}) {
+    Process again(command(evolve("study.coppice", {"--resume", "--workers", "2", "--lines-every", "1"})));
+    again.await_error(line);
+    again.signal(SIGKILL);
+    EXPECT_EQ(again.wait().signal, SIGKILL);
+  }
+  const auto resumed = coppice_json(evolve("study.coppice", {"--resume", "--workers", "1", "--json"}));
+  EXPECT_EQ(figures(resumed), figures(expected));
+  EXPECT_EQ(runs("study.coppice"), runs("other.coppice"));
+}
+
+TEST_F(Resume, OfARunThatIsStillGoingIsRefused) {
+  Process going(command(evolve("study.coppice", {"--serial", "--lines-every", "1", "--set", "ga.generations=100000"})));
+  going.await_error("evolve: 3/");
+  const Completed refused = coppice(evolve("study.coppice", {"--resume", "--serial"}));
+  EXPECT_NE(refused.ending, kDone);
+  EXPECT_NE(refused.error.find("run 1"), std::string::npos) << refused.error;
+  going.signal(SIGINT);
+  EXPECT_EQ(going.wait(), kFailed);
+}
+
+TEST_F(Resume, OfNothingIsRefused) {
+  expect_wrong_use(evolve("study.coppice", {"--resume", "--serial"}), {"study.coppice"});
+}
+
+}  // namespace
+}  // namespace coppice::e2e

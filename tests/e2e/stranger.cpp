@@ -1,0 +1,160 @@
+// A program that speaks the wire contract badly, on purpose, for the tests:
+//   stranger DOMAIN noise   writes damaged and foreign samples of every kind that a worker may write, then leaves
+//   stranger DOMAIN next    a worker of the next protocol version
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/stop.hpp"
+#include "common/wire/configuration.hpp"
+#include "common/wire/topics.hpp"
+#include "common/wire/waiter.hpp"
+#include "worker/serve.hpp"
+
+namespace {
+
+using namespace coppice;
+
+constexpr int kMostWaits = 600;  // of 100 ms, for the coordinator
+constexpr std::int64_t kAcknowledgeMs = 10'000;
+
+int fail(const std::string& what) {
+  std::fprintf(stderr, "stranger: %s\n", what.c_str());
+  return 1;
+}
+
+template <typename T>
+T required(Result<T> result) {
+  if (!result) {
+    std::exit(fail(result.error().message));
+  }
+  return std::move(*result);
+}
+
+void write_answers(wire::Writer<wire::Answer>& answers, const wire::Control& control) {
+  const std::vector<std::uint8_t> garbage(100, 0xAB);
+  for (std::uint64_t batch = 0; batch < 200; ++batch) {
+    wire::Answer answer{};
+    answer.protocol = batch % 3 == 0 ? control.protocol + 1 : control.protocol;
+    answer.run_id = batch % 5 == 0 ? 1 : control.run_id;
+    answer.chain = control.chain;
+    answer.chain.bytes[0] = static_cast<std::uint8_t>(answer.chain.bytes[0] + (batch % 7 == 0 ? 1 : 0));
+    answer.worker = batch;
+    answer.batch = batch;
+    answer.outcome = static_cast<coppice_wire_Outcome>(batch % 4);
+    answer.elapsed_ns = ~std::uint64_t{0};
+    answer.payload = wire::lend(garbage);
+    if (auto ok = answers.write(answer); !ok) {
+      std::exit(fail(ok.error().message));
+    }
+  }
+}
+
+void write_requests(wire::Writer<wire::ChainRequest>& requests, const wire::Control& control) {
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    wire::ChainRequest request{};
+    request.protocol = control.protocol;
+    request.run_id = i % 2 == 0 ? control.run_id : 7;
+    request.chain = control.chain;
+    request.worker = 0xBAD;
+    request.first = i % 3 == 0 ? 0xFFFFFFF0U : i;
+    request.count = 0xFFFFFFFFU;
+    if (auto ok = requests.write(request); !ok) {
+      std::exit(fail(ok.error().message));
+    }
+  }
+}
+
+// A worker in name: says that it holds the chain, takes batches and answers each with garbage.
+void write_hello(wire::Writer<wire::Hello>& hellos, const wire::Control& control) {
+  wire::Hello hello{};
+  hello.protocol = control.protocol;
+  hello.worker = 0xBAD;
+  hello.run_id = control.run_id;
+  wire::put_text(hello.host, "\x1b[31mevil\x07");
+  hello.threads = 0;
+  coppice_wire_ChainId chain = control.chain;
+  hello.chains = {1, 1, &chain, false};
+  if (auto ok = hellos.write(hello); !ok) {
+    std::exit(fail(ok.error().message));
+  }
+}
+
+int make_noise(std::uint32_t domain) {
+  const auto configuration = required(wire::worker_configuration("127.0.0.1", domain));
+  const auto participant = required(wire::Participant::join(domain, configuration));
+  const auto controls = required(wire::Reader<wire::Control>::make(participant));
+  const auto tasks = required(wire::Reader<wire::Task>::make(participant, wire::partition_of(0xBAD)));
+  auto waiter = required(wire::Waiter::make(participant));
+  if (!waiter.watch_reader(controls.get()) || !waiter.watch_reader(tasks.get())) {
+    return fail("cannot wait");
+  }
+  auto hellos = required(wire::Writer<wire::Hello>::make(participant));
+  auto answers = required(wire::Writer<wire::Answer>::make(participant));
+  auto requests = required(wire::Writer<wire::ChainRequest>::make(participant));
+  wire::Control control{};
+  bool met = false;
+  for (int i = 0; i < kMostWaits && !met; ++i) {
+    waiter.wait(std::chrono::milliseconds(100));
+    controls.take(16, [&](const wire::Control& sample, const dds_sample_info_t& info) {
+      control = info.valid_data ? sample : control;
+      met = met || info.valid_data;
+    });
+  }
+  if (!met) {
+    return fail("no coordinator");
+  }
+  write_hello(hellos, control);
+  write_answers(answers, control);
+  write_requests(requests, control);
+  // Until a batch comes: it is answered with bytes that are no tallies.
+  bool answered = false;
+  for (int i = 0; i < kMostWaits && !answered; ++i) {
+    tasks.take(16, [&](const wire::Task& task, const dds_sample_info_t& info) {
+      if (info.valid_data) {
+        wire::Answer answer{};
+        answer.protocol = task.protocol;
+        answer.run_id = task.run_id;
+        answer.chain = task.chain;
+        answer.worker = 0xBAD;
+        answer.batch = task.batch;
+        answer.outcome = coppice_wire_EVALUATED;
+        answered = answers.write(answer).has_value() || answered;
+      }
+    });
+    if (!answered) {
+      waiter.wait(std::chrono::milliseconds(100));
+    }
+  }
+  if (!answered) {
+    return fail("got no batch");
+  }
+  answers.wait_for_acknowledgements(kAcknowledgeMs);
+  requests.wait_for_acknowledgements(kAcknowledgeMs);
+  std::puts("done");
+  return 0;
+}
+
+int serve_next_version(std::uint32_t domain) {
+  block_stop_signals();
+  StopFlag stop;
+  const StopOnSignals signals(stop);
+  ServeOptions options;
+  options.domain = domain;
+  options.protocol = wire::kProtocolVersion + 1;
+  options.version = "99.0";
+  const auto served = serve(options, stop);
+  return served ? 0 : fail(served.error().message);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 3) {
+    return fail("usage: stranger DOMAIN noise|next");
+  }
+  const auto domain = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10));
+  return std::string_view(argv[2]) == "noise" ? make_noise(domain) : serve_next_version(domain);
+}

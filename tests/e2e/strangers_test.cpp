@@ -1,0 +1,85 @@
+// Whoever does not belong changes nothing: damaged and foreign samples are counted and dropped, and a worker of
+// another protocol version is refused with a message on both sides.
+#include <gtest/gtest.h>
+#include <memory>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+#include <sstream>
+
+#include "coordinator/dispatch/remote_evaluator.hpp"
+#include "coordinator/dispatch/serial_evaluator.hpp"
+#include "tests/e2e/process.hpp"
+#include "tests/oracles/chains.hpp"
+#include "tests/oracles/trees.hpp"
+
+namespace coppice {
+namespace {
+
+constexpr std::uint32_t kMostGenerations = 100'000;  // while the stranger lives; each takes under a millisecond
+
+class Strangers : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    spdlog::set_default_logger(
+        std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log_)));
+  }
+
+  std::unique_ptr<RemoteEvaluator> open() {
+    RemoteOptions options;
+    options.local_workers = 1;
+    options.worker_program = COPPICE_WORKER_PROGRAM;
+    auto evaluator = RemoteEvaluator::open(chain_, options, stop_);
+    EXPECT_TRUE(evaluator.has_value()) << evaluator.error().message;
+    return std::move(*evaluator);
+  }
+
+  void expect_serial_tallies(RemoteEvaluator& evaluator, std::uint32_t generation) {
+    Job job;
+    job.generation = generation;
+    auto serial = SerialEvaluator::make(chain_, stop_);
+    const auto expected = (*serial)->evaluate(trees_, job);
+    const auto tallies = evaluator.evaluate(trees_, job);
+    ASSERT_TRUE(tallies.has_value()) << tallies.error().message;
+    ASSERT_EQ(*tallies, *expected);
+  }
+
+  e2e::Process stranger(const RemoteEvaluator& evaluator, const std::string& mode) {
+    return e2e::Process({.program = COPPICE_STRANGER, .arguments = {std::to_string(evaluator.domain()), mode}});
+  }
+
+  std::ostringstream log_;
+  StopFlag stop_;
+  std::shared_ptr<const Chain> chain_ = oracles::shared_random_chain({.states = 100, .seed = 9});
+  std::vector<Tree> trees_ = oracles::random_trees(chain_->vocabulary(), 60, 5);
+};
+
+TEST_F(Strangers, WhoTalkNonsenseAreCountedAndDropped) {
+  const auto evaluator = open();
+  expect_serial_tallies(*evaluator, 0);
+  e2e::Process noise = stranger(*evaluator, "noise");
+  for (std::uint32_t generation = 1; generation < kMostGenerations && noise.running(); ++generation) {
+    expect_serial_tallies(*evaluator, generation);
+  }
+  EXPECT_EQ(noise.wait(), (e2e::Ending{0, 0})) << noise.rest_of_error();
+  expect_serial_tallies(*evaluator, kMostGenerations);
+  EXPECT_GT(evaluator->statistics().rejected, 50U);
+  EXPECT_EQ(log_.str().find('\x1b'), std::string::npos) << log_.str();
+  EXPECT_NE(log_.str().find("dropped a sample"), std::string::npos) << log_.str();
+}
+
+TEST_F(Strangers, WhoSpeakAnotherProtocolVersionAreRefusedWithAMessageOnBothSides) {
+  const auto evaluator = open();
+  expect_serial_tallies(*evaluator, 0);
+  e2e::Process next = stranger(*evaluator, "next");
+  for (std::uint32_t generation = 1; generation < kMostGenerations && next.running(); ++generation) {
+    expect_serial_tallies(*evaluator, generation);
+  }
+  EXPECT_EQ(next.wait(), (e2e::Ending{1, 0}));
+  const std::string said = next.rest_of_error();
+  EXPECT_NE(said.find("speaks protocol 1, this worker (version 99.0) speaks 2"), std::string::npos) << said;
+  EXPECT_NE(log_.str().find("it speaks protocol 2, this coordinator"), std::string::npos) << log_.str();
+  EXPECT_EQ(evaluator->statistics().workers_alive, 1U);
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,267 @@
+// Writes the binary part of the corpus: tasks, answers and chains, well formed and damaged in ways that a random change
+// would take long to find. The files are kept in corpus/; run it again, with that folder, when a format has changed.
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/chain/chain_bytes.hpp"
+#include "common/check.hpp"
+#include "common/tree/text.hpp"
+#include "common/wire/codec.hpp"
+#include "tests/fuzz/words.hpp"
+#include "tests/oracles/chains.hpp"
+#include "tests/oracles/trees.hpp"
+
+namespace coppice::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+using Bytes = std::vector<std::uint8_t>;
+
+class Folder {
+ public:
+  explicit Folder(fs::path path) : path_(std::move(path)) { fs::create_directories(path_); }
+
+  void write(const std::string& name, const Bytes& bytes) const {
+    std::ofstream file(path_ / name, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    if (!file.flush()) {
+      throw std::runtime_error((path_ / name).string() + ": cannot be written");
+    }
+  }
+
+ private:
+  fs::path path_;
+};
+
+Tree tree(std::string_view text) {
+  auto parsed = parse_tree(text, words());
+  COPPICE_CHECK(parsed.has_value());
+  return *parsed;
+}
+
+Tree deepest_tree() {
+  std::vector<Node> nodes;
+  for (std::size_t depth = 0; depth < kMaxTreeDepth; ++depth) {
+    nodes.push_back(Node::composite(depth % 2 == 0 ? NodeKind::sequence : NodeKind::selector, kMaxTreeDepth + 1 - depth));
+  }
+  nodes.push_back(Node::action(ActionId{0}));
+  auto made = Tree::from_nodes(std::move(nodes));
+  COPPICE_CHECK(made.has_value());
+  return *made;
+}
+
+Job small_job() {
+  Job job;
+  job.seed = 0x0123456789ABCDEF;
+  job.generation = 3;
+  job.rollouts = 2;
+  job.steps = 10;
+  return job;
+}
+
+Job every_objective() {
+  Job job = small_job();
+  job.rollouts = 9;
+  job.acting = Acting::mixed;
+  job.policy_share = std::uint64_t{1} << 63U;
+  job.objectives.clear();
+  for (std::uint8_t kind = 0; kind < kObjectiveKinds; ++kind) {
+    job.objectives.push_back({ObjectiveKind{kind}, {}});
+  }
+  job.objectives[static_cast<std::size_t>(ObjectiveKind::shaped)].rules = {
+      {{Node::condition(3, Op::equal, 3), Node::condition(8, Op::less_equal, 4)}, 8, -4},
+      {{Node::condition(9, Op::less_equal, 100)}, std::numeric_limits<std::int32_t>::max(),
+       std::numeric_limits<std::int32_t>::min()},
+      {{}, 1, 0}};
+  return job;
+}
+
+Job most_rules() {
+  Job job = small_job();
+  ShapedRule rule;
+  rule.any_of.assign(kMaxShapedConditions, Node::condition(0, Op::equal, 1));
+  job.objectives = {{ObjectiveKind::shaped, std::vector<ShapedRule>(kMaxShapedRules, rule)}};
+  return job;
+}
+
+// Offsets in a task of one objective without rules and one tree; see common/wire/codec.hpp.
+constexpr std::size_t kRolloutsAt = 12;
+constexpr std::size_t kActingAt = 20;
+constexpr std::size_t kObjectivesAt = 29;
+constexpr std::size_t kKindAt = 30;
+constexpr std::size_t kRulesAt = 31;
+constexpr std::size_t kTreesAt = 32;
+constexpr std::size_t kNodesAt = 36;
+constexpr std::size_t kFirstNodeAt = 38;
+
+void write_tasks(const Folder& folder) {
+  const std::vector<Tree> trees = {tree("move"), tree("(selector (sequence s3=0 turn_left) (sequence x<=4 y<=10) move)"),
+                                   tree("s0=1")};
+  const Bytes task = wire::encode_task(small_job(), trees);
+  folder.write("three_trees", task);
+  folder.write("no_trees", wire::encode_task(small_job(), {}));
+  folder.write("every_objective", wire::encode_task(every_objective(), trees));
+  folder.write("most_rules", wire::encode_task(most_rules(), std::vector<Tree>{tree("turn_right")}));
+  folder.write("deepest_tree", wire::encode_task(small_job(), std::vector<Tree>{deepest_tree()}));
+  folder.write("many_trees", wire::encode_task(small_job(), oracles::random_trees(words(), 100, 1)));
+  Job longest = small_job();
+  longest.rollouts = 16;
+  longest.steps = kMaxSteps;
+  longest.acting = Acting::policy;
+  folder.write("longest_walks", wire::encode_task(longest, trees));
+
+  const Bytes good = wire::encode_task(small_job(), std::vector<Tree>{tree("(sequence s3=0 move)")});
+  const auto damaged = [&](const std::string& name, std::size_t at, std::uint8_t value) {
+    Bytes bytes = good;
+    bytes.at(at) = value;
+    folder.write("bad_" + name, bytes);
+  };
+  folder.write("sequence", good);
+  damaged("no_rollouts", kRolloutsAt, 0);
+  damaged("acting", kActingAt, 3);
+  damaged("no_objectives", kObjectivesAt, 0);
+  damaged("too_many_objectives", kObjectivesAt, 17);
+  damaged("objective", kKindAt, kObjectiveKinds);
+  damaged("too_many_rules", kRulesAt, 255);
+  damaged("too_few_trees", kTreesAt, 0);
+  damaged("too_many_trees", kTreesAt + 3, 255);
+  damaged("too_many_nodes", kNodesAt + 1, 255);
+  damaged("node_tag", kFirstNodeAt, 8);
+  damaged("operator_of_a_sequence", kFirstNodeAt, 4);
+  damaged("extent_0", kFirstNodeAt + 1, 0);
+  damaged("extent_1", kFirstNodeAt + 1, 1);
+  damaged("extent_beyond_the_tree", kFirstNodeAt + 1, 4);
+  damaged("feature", kFirstNodeAt + 4, 10);
+  damaged("value", kFirstNodeAt + 5, 2);
+  damaged("action", kFirstNodeAt + 7, 3);
+  folder.write("bad_empty", {});
+  folder.write("bad_cut_short", {good.begin(), good.end() - 1});
+  Bytes surplus = good;
+  surplus.push_back(0);
+  folder.write("bad_surplus", surplus);
+}
+
+// As the target reads it: how many trees and objectives were asked about, then the payload.
+Bytes asked(std::uint8_t trees, std::uint8_t objectives, const Bytes& payload) {
+  Bytes bytes = {trees, objectives};
+  bytes.insert(bytes.end(), payload.begin(), payload.end());
+  return bytes;
+}
+
+void write_answers(const Folder& folder) {
+  constexpr std::int64_t kLowest = std::numeric_limits<std::int64_t>::min();
+  const std::vector<Tally> two = {{5, 17, 500, {17, -3}}, {4096, ~std::uint64_t{0}, ~std::uint64_t{0}, {kLowest, -1}}};
+  const Bytes payload = wire::encode_tallies(two);
+  folder.write("two", asked(2, 2, payload));
+  folder.write("none", asked(0, 1, wire::encode_tallies({})));
+  folder.write("no_objectives", asked(1, 0, wire::encode_tallies(std::vector<Tally>{{1, 2, 3, {}}})));
+  folder.write("many", asked(100, 16, wire::encode_tallies(std::vector<Tally>(
+                                          100, {7, 1, 2, std::vector<std::int64_t>(kMaxObjectives, 9)}))));
+  folder.write("bad_empty", {});
+  folder.write("bad_no_payload", asked(2, 2, {}));
+  folder.write("bad_too_few", asked(3, 2, payload));
+  folder.write("bad_too_many", asked(1, 2, payload));
+  folder.write("bad_objectives", asked(2, 3, payload));
+  folder.write("bad_cut_short", asked(2, 2, {payload.begin(), payload.end() - 1}));
+  // 2^32 - 1 tallies, to be counted before memory is taken
+  folder.write("bad_count", asked(2, 2, {255, 255, 255, 255, 0, 0}));
+}
+
+Bytes changed(const Chain& chain, const std::function<void(ChainParts&)>& change) {
+  ChainParts parts = chain.parts();
+  change(parts);
+  auto made = Chain::make(std::move(parts));
+  if (!made) {
+    throw std::runtime_error(made.error().message);
+  }
+  return to_bytes(*made);
+}
+
+void write_chains(const Folder& folder) {
+  const Chain chain = small_chain();
+  const Bytes good = to_bytes(chain);
+  folder.write("small", good);
+  folder.write("die", to_bytes(oracles::knuth_die()));
+  folder.write("ruin", to_bytes(oracles::gamblers_ruin({})));
+  folder.write("random", to_bytes(oracles::random_chain({.states = 40, .actions = 8, .seed = 2})));
+  folder.write("largest_counts", changed(chain, [](ChainParts& parts) {
+                 for (std::size_t row = 0; row + 1 < parts.row_begin.size(); ++row) {
+                   if (parts.row_begin[row] != parts.row_begin[row + 1]) {
+                     parts.count[parts.row_begin[row]] = 0xFFFFF000;
+                   }
+                 }
+               }));
+  folder.write("values_too_large_to_score", changed(chain, [](ChainParts& parts) {
+                 parts.q.front() = std::numeric_limits<double>::max();
+                 parts.reward_sum.back() = -std::numeric_limits<double>::max();
+               }));
+  folder.write("minus_zero_and_subnormal", changed(chain, [](ChainParts& parts) {
+                 parts.q.front() = -0.0;
+                 parts.reward_sum.back() = std::numeric_limits<double>::denorm_min();
+               }));
+  folder.write("most_visits", changed(chain, [](ChainParts& parts) {
+                 parts.visits.assign(parts.visits.size(), std::numeric_limits<std::uint64_t>::max());
+               }));
+
+  constexpr std::size_t kFeaturesAt = 8;
+  const std::size_t after_vocabulary = good.size() - [&] {
+    const ChainParts& parts = chain.parts();
+    return 20 + parts.features.size() + parts.row_begin.size() * 8 + parts.successor.size() * 8 + parts.q.size() * 16 +
+           parts.policy.size() * 9;
+  }();
+  const auto damaged = [&](const std::string& name, std::size_t at, std::uint8_t value) {
+    Bytes bytes = good;
+    bytes.at(at) = value;
+    folder.write("bad_" + name, bytes);
+  };
+  damaged("magic", 0, 'X');
+  damaged("format", 4, 2);
+  damaged("no_features", kFeaturesAt, 0);
+  damaged("too_many_features", kFeaturesAt + 1, 255);
+  damaged("name_length", kFeaturesAt + 3, 255);
+  damaged("name", kFeaturesAt + 4, '\n');
+  damaged("states", after_vocabulary, 13);
+  damaged("most_states", after_vocabulary + 7, 255);
+  damaged("most_transitions", after_vocabulary + 15, 255);
+  damaged("initial_state", after_vocabulary + 16, 12);
+  damaged("feature_value", after_vocabulary + 20, 2);
+  damaged("policy", good.size() - 12 * 9, 3);
+  folder.write("bad_empty", {});
+  folder.write("bad_cut_short", {good.begin(), good.end() - 1});
+  folder.write("bad_header_only", {good.begin(), good.begin() + static_cast<std::ptrdiff_t>(after_vocabulary + 20)});
+  Bytes surplus = good;
+  surplus.push_back(0);
+  folder.write("bad_surplus", surplus);
+}
+
+}  // namespace
+}  // namespace coppice::fuzz
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    fmt::print(stderr, "expected one argument: the corpus folder, such as tests/fuzz/corpus\n");
+    return 2;
+  }
+  try {
+    const std::filesystem::path corpus = argv[1];
+    coppice::fuzz::write_tasks(coppice::fuzz::Folder(corpus / "task"));
+    coppice::fuzz::write_answers(coppice::fuzz::Folder(corpus / "answer"));
+    coppice::fuzz::write_chains(coppice::fuzz::Folder(corpus / "chain_bytes"));
+    return 0;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,27 @@
+// read_config(), a user's TOML file: refused without a change, or a configuration (configuration.hpp).
+#include "common/check.hpp"
+#include "tests/fuzz/configuration.hpp"
+#include "tests/fuzz/target.hpp"
+
+namespace coppice::fuzz {
+namespace {
+
+void test(std::string_view toml) {
+  EvolveConfig config;
+  const auto ok = read_config(toml, "fuzz.toml", config);
+  accepted = ok.has_value();
+  if (!ok) {
+    COPPICE_CHECK(is_refusal(ok.error()) && ok.error().message.rfind("fuzz.toml: ", 0) == 0);
+    COPPICE_CHECK(config == EvolveConfig());
+    return;
+  }
+  check_configuration(config);
+}
+
+}  // namespace
+}  // namespace coppice::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  coppice::fuzz::test(coppice::fuzz::as_text(data, size));
+  return 0;
+}

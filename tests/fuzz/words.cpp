@@ -1,0 +1,56 @@
+#include "tests/fuzz/words.hpp"
+
+#include <string>
+#include <utility>
+
+#include "common/chain/random.hpp"
+#include "common/check.hpp"
+
+namespace coppice::fuzz {
+
+const Vocabulary& words() {
+  static const Vocabulary vocabulary = [] {
+    Vocabulary result;
+    for (const char* sensor : {"s0", "s1", "s2", "s3", "s4", "s5", "s6", "s7"}) {
+      result.features.push_back({sensor, {0, 1, 3}, true, false});
+    }
+    result.features.push_back({"x", {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}, true, true});
+    result.features.push_back({"y", {0, 10, 100, 255}, false, true});
+    result.actions = {"move", "turn_left", "turn_right"};
+    COPPICE_CHECK(check_vocabulary(result).has_value());
+    return result;
+  }();
+  return vocabulary;
+}
+
+Chain small_chain() {
+  constexpr std::uint32_t kStates = 12;
+  Xoshiro256 random(1);
+  ChainParts parts;
+  parts.vocabulary = words();
+  parts.row_begin = {0};
+  for (std::uint32_t state = 0; state < kStates; ++state) {
+    for (const Feature& feature : parts.vocabulary.features) {
+      parts.features.push_back(feature.name == "x" ? static_cast<std::uint8_t>(state % 10)
+                                                   : feature.values[random.below(feature.values.size())]);
+    }
+    parts.visits.push_back(random.below(1000));
+    for (std::size_t action = 0; action < parts.vocabulary.actions.size(); ++action) {
+      const bool tried = random.below(5) > 0;
+      for (std::uint32_t next = state % 3; tried && next < kStates; next += 3) {
+        parts.successor.push_back(next);
+        parts.count.push_back(static_cast<std::uint32_t>(1 + random.below(100)));
+      }
+      parts.row_begin.push_back(parts.successor.size());
+      parts.reward_sum.push_back(tried ? static_cast<double>(random.below(2000)) / 100.0 - 10.0 : 0.0);
+      parts.q.push_back(static_cast<double>(random.below(4000)) / 100.0 - 20.0);
+    }
+  }
+  parts.policy = greedy_policy(parts.q, parts.vocabulary.actions.size());
+  parts.initial_state = 1;
+  auto chain = Chain::make(std::move(parts));
+  COPPICE_CHECK(chain.has_value());
+  return std::move(*chain);
+}
+
+}  // namespace coppice::fuzz

@@ -1,0 +1,17 @@
+// The vocabulary and the chain that the fuzz targets and their corpus speak of: the UAV's sensors with "=", a coordinate
+// with both operators and one with "<=" only, so that no branch of a parser is out of reach.
+#pragma once
+
+#include <memory>
+
+#include "common/chain/chain.hpp"
+#include "common/tree/vocabulary.hpp"
+
+namespace coppice::fuzz {
+
+const Vocabulary& words();
+
+// A few states of words(), some pairs never tried.
+Chain small_chain();
+
+}  // namespace coppice::fuzz
