@@ -1,6 +1,6 @@
 // Runs a fuzz target without libFuzzer: every file of its corpus, which must be accepted or, where the name begins with
-// "bad", refused; then a given number of inputs near the corpus (mutation.hpp), some of which must be accepted. Fails by
-// exit code 1, or as the target does, having shown the input (last_input.hpp).
+// "bad", refused; then a given number of inputs near the corpus (mutation.hpp), some of which must be accepted. Fails
+// by exit code 1, or as the target does, having shown the input (last_input.hpp).
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -125,8 +125,8 @@ void run_only(const Mutation& mutation, std::uint32_t i, const std::string& save
   Bytes input;
   mutation.make(i, input);
   if (!save.empty()) {
-    std::ofstream(save, std::ios::binary).write(reinterpret_cast<const char*>(input.data()),
-                                                static_cast<std::streamsize>(input.size()));
+    std::ofstream(save, std::ios::binary)
+        .write(reinterpret_cast<const char*>(input.data()), static_cast<std::streamsize>(input.size()));
   }
   expect_progress();
   const bool was_accepted = run(fmt::format("input {}", i), input);
@@ -155,8 +155,9 @@ int drive(const Options& options) {
 
 int main(int argc, char** argv) {
   coppice::fuzz::Options options;
-  CLI::App app("Runs a fuzz target over a corpus, then over inputs near it.\n"
-               "Example: tree_text_fuzz_test tests/fuzz/corpus/tree_text --inputs 100000 --seed 7");
+  CLI::App app(
+      "Runs a fuzz target over a corpus, then over inputs near it.\n"
+      "Example: tree_text_fuzz_test tests/fuzz/corpus/tree_text --inputs 100000 --seed 7");
   app.add_option("paths", options.paths, "Corpus: files, or folders of them")->required()->check(CLI::ExistingPath);
   const CLI::Range numbers(std::uint32_t{0}, coppice::fuzz::kMaxInputs);
   app.add_option("--inputs", options.inputs, "How many inputs near the corpus")->check(numbers);

@@ -13,7 +13,7 @@ extern "C" void __sanitizer_set_death_callback(void (*callback)()) __attribute__
 namespace coppice::fuzz {
 namespace {
 
-constexpr std::size_t kMostShown = 4096;             // bytes
+constexpr std::size_t kMostShown = 4096;                      // bytes
 constexpr std::size_t kHandlerStack = std::size_t{1} << 16U;  // its own: the fault may be a stack that ran over
 
 const std::string* last_origin = nullptr;

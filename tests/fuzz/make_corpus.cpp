@@ -1,6 +1,6 @@
 // Writes the binary part of the corpus: tasks, answers and chains, well formed and damaged in ways that a random change
-// would take long to find. The files are kept in corpus/; run it again, with that folder, when a format has changed.
-#include <array>
+// would take long to find. The files are kept in corpus/: `make_corpus tests/fuzz/corpus` after a format has changed;
+// with --check it writes nothing and fails if a kept file is not what it would write.
 #include <cstdint>
 #include <cstdio>
 #include <exception>
@@ -8,13 +8,16 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <limits>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "common/chain/bytes.hpp"
 #include "common/chain/chain_bytes.hpp"
 #include "common/check.hpp"
 #include "common/tree/text.hpp"
@@ -29,20 +32,40 @@ namespace {
 namespace fs = std::filesystem;
 using Bytes = std::vector<std::uint8_t>;
 
+// One folder of the corpus. Every file in it is made here.
 class Folder {
  public:
-  explicit Folder(fs::path path) : path_(std::move(path)) { fs::create_directories(path_); }
+  Folder(fs::path path, bool check) : path_(std::move(path)), check_(check) { fs::create_directories(path_); }
 
-  void write(const std::string& name, const Bytes& bytes) const {
-    std::ofstream file(path_ / name, std::ios::binary);
+  void write(const std::string& name, const Bytes& bytes) {
+    const std::string path = (path_ / name).string();
+    names_.insert(name);
+    if (check_) {
+      std::ifstream file(path, std::ios::binary);
+      if (!file || Bytes(std::istreambuf_iterator<char>(file), {}) != bytes) {
+        throw std::runtime_error(path + ": is not what make_corpus makes: run it again");
+      }
+      return;
+    }
+    std::ofstream file(path, std::ios::binary);
     file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     if (!file.flush()) {
-      throw std::runtime_error((path_ / name).string() + ": cannot be written");
+      throw std::runtime_error(path + ": cannot be written");
+    }
+  }
+
+  void finish() const {
+    for (const auto& entry : fs::directory_iterator(path_)) {
+      if (names_.count(entry.path().filename().string()) == 0) {
+        throw std::runtime_error(entry.path().string() + ": make_corpus does not make it: remove it");
+      }
     }
   }
 
  private:
   fs::path path_;
+  bool check_;
+  std::set<std::string> names_;
 };
 
 Tree tree(std::string_view text) {
@@ -54,7 +77,8 @@ Tree tree(std::string_view text) {
 Tree deepest_tree() {
   std::vector<Node> nodes;
   for (std::size_t depth = 0; depth < kMaxTreeDepth; ++depth) {
-    nodes.push_back(Node::composite(depth % 2 == 0 ? NodeKind::sequence : NodeKind::selector, kMaxTreeDepth + 1 - depth));
+    nodes.push_back(
+        Node::composite(depth % 2 == 0 ? NodeKind::sequence : NodeKind::selector, kMaxTreeDepth + 1 - depth));
   }
   nodes.push_back(Node::action(ActionId{0}));
   auto made = Tree::from_nodes(std::move(nodes));
@@ -82,7 +106,8 @@ Job every_objective() {
   }
   job.objectives[static_cast<std::size_t>(ObjectiveKind::shaped)].rules = {
       {{Node::condition(3, Op::equal, 3), Node::condition(8, Op::less_equal, 4)}, 8, -4},
-      {{Node::condition(9, Op::less_equal, 100)}, std::numeric_limits<std::int32_t>::max(),
+      {{Node::condition(9, Op::less_equal, 100)},
+       std::numeric_limits<std::int32_t>::max(),
        std::numeric_limits<std::int32_t>::min()},
       {{}, 1, 0}};
   return job;
@@ -106,9 +131,9 @@ constexpr std::size_t kTreesAt = 32;
 constexpr std::size_t kNodesAt = 36;
 constexpr std::size_t kFirstNodeAt = 38;
 
-void write_tasks(const Folder& folder) {
-  const std::vector<Tree> trees = {tree("move"), tree("(selector (sequence s3=0 turn_left) (sequence x<=4 y<=10) move)"),
-                                   tree("s0=1")};
+void write_tasks(Folder& folder) {
+  const std::vector<Tree> trees = {
+      tree("move"), tree("(selector (sequence s3=0 turn_left) (sequence x<=4 y<=10) move)"), tree("s0=1")};
   const Bytes task = wire::encode_task(small_job(), trees);
   folder.write("three_trees", task);
   folder.write("no_trees", wire::encode_task(small_job(), {}));
@@ -155,20 +180,24 @@ void write_tasks(const Folder& folder) {
 
 // As the target reads it: how many trees and objectives were asked about, then the payload.
 Bytes asked(std::uint8_t trees, std::uint8_t objectives, const Bytes& payload) {
-  Bytes bytes = {trees, objectives};
-  bytes.insert(bytes.end(), payload.begin(), payload.end());
-  return bytes;
+  ByteWriter writer;
+  writer.put(trees);
+  writer.put(objectives);
+  writer.put_all(payload);
+  return writer.take();
 }
 
-void write_answers(const Folder& folder) {
+void write_answers(Folder& folder) {
   constexpr std::int64_t kLowest = std::numeric_limits<std::int64_t>::min();
   const std::vector<Tally> two = {{5, 17, 500, {17, -3}}, {4096, ~std::uint64_t{0}, ~std::uint64_t{0}, {kLowest, -1}}};
   const Bytes payload = wire::encode_tallies(two);
   folder.write("two", asked(2, 2, payload));
   folder.write("none", asked(0, 1, wire::encode_tallies({})));
   folder.write("no_objectives", asked(1, 0, wire::encode_tallies(std::vector<Tally>{{1, 2, 3, {}}})));
-  folder.write("many", asked(100, 16, wire::encode_tallies(std::vector<Tally>(
-                                          100, {7, 1, 2, std::vector<std::int64_t>(kMaxObjectives, 9)}))));
+  folder.write(
+      "many",
+      asked(100, 16,
+            wire::encode_tallies(std::vector<Tally>(100, {7, 1, 2, std::vector<std::int64_t>(kMaxObjectives, 9)}))));
   folder.write("bad_empty", {});
   folder.write("bad_no_payload", asked(2, 2, {}));
   folder.write("bad_too_few", asked(3, 2, payload));
@@ -189,7 +218,7 @@ Bytes changed(const Chain& chain, const std::function<void(ChainParts&)>& change
   return to_bytes(*made);
 }
 
-void write_chains(const Folder& folder) {
+void write_chains(Folder& folder) {
   const Chain chain = small_chain();
   const Bytes good = to_bytes(chain);
   folder.write("small", good);
@@ -246,19 +275,30 @@ void write_chains(const Folder& folder) {
   folder.write("bad_surplus", surplus);
 }
 
+void write_corpus(const fs::path& corpus, bool check) {
+  struct Part {
+    const char* name;
+    void (*write)(Folder&);
+  };
+  for (const Part& part :
+       {Part{"task", write_tasks}, Part{"answer", write_answers}, Part{"chain_bytes", write_chains}}) {
+    Folder folder(corpus / part.name, check);
+    part.write(folder);
+    folder.finish();
+  }
+}
+
 }  // namespace
 }  // namespace coppice::fuzz
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    fmt::print(stderr, "expected one argument: the corpus folder, such as tests/fuzz/corpus\n");
+  const bool check = argc == 3 && std::string_view(argv[2]) == "--check";
+  if (argc != 2 && !check) {
+    fmt::print(stderr, "expected: make_corpus FOLDER [--check], such as make_corpus tests/fuzz/corpus\n");
     return 2;
   }
   try {
-    const std::filesystem::path corpus = argv[1];
-    coppice::fuzz::write_tasks(coppice::fuzz::Folder(corpus / "task"));
-    coppice::fuzz::write_answers(coppice::fuzz::Folder(corpus / "answer"));
-    coppice::fuzz::write_chains(coppice::fuzz::Folder(corpus / "chain_bytes"));
+    coppice::fuzz::write_corpus(argv[1], check);
     return 0;
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());

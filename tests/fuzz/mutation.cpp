@@ -14,10 +14,32 @@ namespace coppice::fuzz {
 namespace {
 
 // Where counters wrap and where our own limits lie.
-constexpr std::array<std::uint64_t, 26> kIntegers = {
-    0,    1,    2,     3,     16,         17,         32,          33,          63,
-    64,   65,   127,   128,   255,        256,        4095,        4096,        4097,
-    0x7FFF, 0xFFFF, 0x10001, 1U << 20U, 0x7FFFFFFF, 0xFFFFFFFF, 0x7FFFFFFFFFFFFFFF, 0xFFFFFFFFFFFFFFFF};
+constexpr std::array<std::uint64_t, 26> kIntegers = {0,
+                                                     1,
+                                                     2,
+                                                     3,
+                                                     16,
+                                                     17,
+                                                     32,
+                                                     33,
+                                                     63,
+                                                     64,
+                                                     65,
+                                                     127,
+                                                     128,
+                                                     255,
+                                                     256,
+                                                     4095,
+                                                     4096,
+                                                     4097,
+                                                     0x7FFF,
+                                                     0xFFFF,
+                                                     0x10001,
+                                                     1U << 20U,
+                                                     0x7FFFFFFF,
+                                                     0xFFFFFFFF,
+                                                     0x7FFFFFFFFFFFFFFF,
+                                                     0xFFFFFFFFFFFFFFFF};
 constexpr std::array<std::string_view, 12> kNumbers = {
     "0", "1", "-1", "255", "256", "4097", "4294967296", "18446744073709551616", "1e308", "1e999", "nan", "-inf"};
 

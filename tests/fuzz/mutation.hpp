@@ -1,6 +1,6 @@
-// Inputs near a corpus: each is one of its files, or the head of one and the tail of another, with a few random changes.
-// Input i is a pure function of (corpus, seed, i), so any of them can be made again alone. Immutable; safe to share
-// between threads.
+// Inputs near a corpus: each is one of its files, or the head of one and the tail of another, with a few random
+// changes. Input i is a pure function of (corpus, seed, i), so any of them can be made again alone. Immutable; safe to
+// share between threads.
 #pragma once
 
 #include <cstddef>

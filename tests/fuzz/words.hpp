@@ -1,5 +1,5 @@
-// The vocabulary and the chain that the fuzz targets and their corpus speak of: the UAV's sensors with "=", a coordinate
-// with both operators and one with "<=" only, so that no branch of a parser is out of reach.
+// The vocabulary and the chain that the fuzz targets and their corpus speak of: the UAV's sensors with "=", a
+// coordinate with both operators and one with "<=" only, so that no branch of a parser is out of reach.
 #pragma once
 
 #include <memory>

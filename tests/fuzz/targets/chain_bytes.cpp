@@ -1,9 +1,10 @@
-// chain_from_bytes(): whatever it accepts has exactly those bytes, and can be prepared, scored and walked, or is refused
-// there.
+// chain_from_bytes(): whatever it accepts has exactly those bytes, and can be prepared, scored and walked, or is
+// refused there.
+#include "common/chain/chain_bytes.hpp"
+
 #include <algorithm>
 #include <memory>
 
-#include "common/chain/chain_bytes.hpp"
 #include "common/check.hpp"
 #include "common/fitness/evaluation.hpp"
 #include "tests/fuzz/target.hpp"

@@ -1,12 +1,13 @@
 // population_from_text(), a checkpoint in a study: whatever it accepts has the fitness that is written there, fit to be
 // ranked, and trees of the vocabulary, and reads back the same bits.
+#include "coordinator/study/checkpoint_text.hpp"
+
 #include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <string>
 
 #include "common/check.hpp"
-#include "coordinator/study/checkpoint_text.hpp"
 #include "tests/fuzz/target.hpp"
 #include "tests/fuzz/words.hpp"
 

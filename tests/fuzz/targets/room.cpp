@@ -1,5 +1,5 @@
-// parse_room(): whatever it accepts keeps what room_map.hpp promises, reads back from a drawing of it, and can be flown in
-// without losing a piece of trash.
+// parse_room(): whatever it accepts keeps what room_map.hpp promises, reads back from a drawing of it, and can be flown
+// in without losing a piece of trash.
 #include <algorithm>
 #include <array>
 
