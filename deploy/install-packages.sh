@@ -5,7 +5,7 @@
 #   deploy/install-packages.sh lint      also for clang-format, clang-tidy and fuzzing
 set -euo pipefail
 
-packages=(g++ cmake ninja-build cyclonedds-dev cyclonedds-tools libeigen3-dev libsuitesparse-dev libcli11-dev
+packages=(g++ cmake ninja-build cyclonedds-dev cyclonedds-tools libcli11-dev
   libtomlplusplus-dev libsqlitecpp-dev libsqlite3-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libexpected-dev
   libxxhash-dev graphviz)
 for group in "$@"; do

@@ -72,8 +72,9 @@ void Lane::run() {
 }
 
 void Lane::take_one(const wire::Task& task) {
-  if (task.protocol != state_.protocol || task.run_id != state_.run_id) {
-    return;  // of a coordinator that is gone: nobody waits for it
+  const std::uint64_t run_id = state_.run_id;
+  if (task.protocol != state_.protocol || (run_id != 0 && task.run_id != run_id)) {
+    return;  // of a coordinator that another has followed: nobody waits for it
   }
   const auto begin = std::chrono::steady_clock::now();
   const Outcome outcome = evaluate(task);

@@ -21,6 +21,8 @@ constexpr auto kTendInterval = 100ms;      // child processes and the wait limit
 constexpr auto kNoticeInterval = 10s;      // "waiting for a worker" is repeated this often
 constexpr auto kShortestPatience = 250ms;  // a batch is not overdue before
 constexpr auto kPatienceUnmeasured = 2s;
+constexpr auto kHangLimit = 5s;  // no progress with work at hand for this long, doubled each time
+constexpr auto kLongestHangLimit = 3600s;
 constexpr int kPatienceFactor = 4;  // times the measured cost of all that the worker has before it
 constexpr std::size_t kMostPerTake = 1024;
 constexpr std::size_t kMaxRemembered = 4096;  // sources that were logged
@@ -77,7 +79,8 @@ RemoteEvaluator::RemoteEvaluator(std::shared_ptr<const Chain> chain, RemoteOptio
       domain_(domain),
       dds_(std::move(endpoints)),
       wake_(stop.on_raise([this] { dds_.waiter.wake(); })),
-      flight_(options_.limits) {
+      flight_(options_.limits),
+      hang_limit_(kHangLimit) {
   std::random_device device;
   run_.run_id = (static_cast<std::uint64_t>(device()) << 32U) | device() | 1U;
   run_.chain = hash_of(chain_bytes_);
@@ -238,7 +241,7 @@ void RemoteEvaluator::listen() {
 void RemoteEvaluator::hear(const wire::Hello& hello, const dds_sample_info_t& info) {
   const WorkerId id{hello.worker};
   if (!info.valid_data || info.instance_state != DDS_ALIVE_INSTANCE_STATE) {
-    lose(id, "is out of reach");
+    lose(id, "is out of reach", InFlight::Farewell::died);
     return;
   }
   if (hello.protocol != wire::kProtocolVersion) {
@@ -265,7 +268,7 @@ void RemoteEvaluator::hear(const wire::Hello& hello, const dds_sample_info_t& in
     found = workers_.emplace(id, std::move(*worker)).first;
     flight_.add_worker(id);
   }
-  found->second.hear(hello, run_);
+  found->second.hear(hello, run_, Clock::now());
   // A worker that was out of reach has let go of the run, and DDS does not deliver again what it had before.
   announce_again_ = announce_again_ || hello.run_id != run_.run_id;
 }
@@ -313,7 +316,7 @@ void RemoteEvaluator::take(const wire::Answer& answer) {
       const auto text = wire::view(answer.payload);
       reject(fmt::format("it refused a batch: {}", wire::shown(std::string(text.begin(), text.end()).c_str())),
              answer.worker);
-      lose(id, "refused a batch");
+      lose(id, "refused a batch", InFlight::Farewell::died);
       return;
     }
   }
@@ -334,7 +337,7 @@ void RemoteEvaluator::settle(const wire::Answer& answer, RemoteWorker* worker) {
   const auto tallies = wire::decode_tallies(wire::view(answer.payload), out->batch.count, job_.objectives.size());
   if (!tallies) {
     reject(tallies.error().message, answer.worker);
-    lose(from, "sent a damaged answer");
+    lose(from, "sent a damaged answer", InFlight::Farewell::died);
     return;
   }
   const auto settlement = flight_.settle(id, from);
@@ -350,12 +353,12 @@ void RemoteEvaluator::settle(const wire::Answer& answer, RemoteWorker* worker) {
   }
 }
 
-void RemoteEvaluator::lose(WorkerId id, const std::string& why) {
+void RemoteEvaluator::lose(WorkerId id, const std::string& why, InFlight::Farewell farewell) {
   const auto worker = workers_.find(id);
   if (worker == workers_.end()) {
     return;
   }
-  const auto loss = flight_.lose_worker(id, InFlight::Farewell::died);
+  const auto loss = flight_.lose_worker(id, farewell);
   ++statistics_.workers_lost;
   statistics_.requeued += loss.batches;
   spdlog::warn("worker {} {}; {} batches go to others", worker->second.name(), why, loss.batches);
@@ -384,7 +387,27 @@ Result<void> RemoteEvaluator::tend(Clock::time_point now) {
       spdlog::warn("{}", line);
     }
   }
+  lose_hanging(now);
   return wait_for_worker(now);
+}
+
+// A worker that says Hello but stands still hangs, or never got what was sent. Its work goes to others; its next Hello
+// makes it a worker like any other again. The limit doubles, so that individuals that take very long are not sent
+// again and again.
+void RemoteEvaluator::lose_hanging(Clock::time_point now) {
+  std::vector<WorkerId> hanging;
+  for (const auto& [id, worker] : workers_) {
+    const auto usual = worker.cost_of(job_steps_) * kPatienceFactor;
+    if (flight_.load(id) > 0 && now - worker.progressed() > std::max<std::chrono::nanoseconds>(hang_limit_, usual)) {
+      hanging.push_back(id);
+    }
+  }
+  for (const WorkerId id : hanging) {
+    lose(id, "makes no progress", InFlight::Farewell::left);
+  }
+  if (!hanging.empty()) {
+    hang_limit_ = std::min<std::chrono::seconds>(hang_limit_ * 2, kLongestHangLimit);
+  }
 }
 
 Result<void> RemoteEvaluator::wait_for_worker(Clock::time_point now) {
@@ -461,7 +484,7 @@ void RemoteEvaluator::hand_out(Clock::time_point now) {
 
 bool RemoteEvaluator::send(RemoteWorker& worker, const Batch& batch) {
   const auto payload = wire::encode_task(job_, trees_.subspan(batch.first, batch.count));
-  if (auto ok = worker.send_task(batch, payload, run_); !ok) {
+  if (auto ok = worker.send_task(batch, payload, run_, Clock::now()); !ok) {
     spdlog::warn("worker {}: {}", worker.name(), ok.error().message);
     flight_.give_back(batch.id, worker.id());
     return false;

@@ -69,8 +69,9 @@ class RemoteEvaluator : public Evaluator {
   void take(const wire::ChainRequest& request);
   void take(const wire::Answer& answer);
   void settle(const wire::Answer& answer, RemoteWorker* worker);
-  void lose(WorkerId worker, const std::string& why);
+  void lose(WorkerId worker, const std::string& why, InFlight::Farewell farewell);
   Result<void> tend(Clock::time_point now);
+  void lose_hanging(Clock::time_point now);
   Result<void> wait_for_worker(Clock::time_point now);
   void hand_out(Clock::time_point now);
   bool send(RemoteWorker& worker, const Batch& batch);
@@ -102,6 +103,7 @@ class RemoteEvaluator : public Evaluator {
   std::optional<LocalWorkers> local_;
 
   InFlight flight_;
+  std::chrono::seconds hang_limit_;
   std::vector<Objective> checked_objectives_;
   std::span<const Tree> trees_;  // of the generation in flight
   Job job_;

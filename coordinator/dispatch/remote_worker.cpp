@@ -38,7 +38,11 @@ Result<RemoteWorker> RemoteWorker::meet(const wire::Participant& participant, wi
   return RemoteWorker(hello, std::move(*tasks), std::move(*blocks));
 }
 
-void RemoteWorker::hear(const wire::Hello& hello, const RunIdentity& run) {
+void RemoteWorker::hear(const wire::Hello& hello, const RunIdentity& run, InFlight::Time now) {
+  if (hello.evaluated != evaluated_) {
+    evaluated_ = hello.evaluated;
+    progressed_ = now;
+  }
   const std::span<const coppice_wire_ChainId> held(hello.chains._buffer, hello.chains._length);
   holds_chain_ = hello.run_id == run.run_id &&
                  std::any_of(held.begin(), held.end(),
@@ -74,7 +78,8 @@ std::size_t RemoteWorker::send_blocks(std::span<const std::uint8_t> chain_bytes,
 }
 
 Result<void> RemoteWorker::send_task(const Batch& batch, std::span<const std::uint8_t> payload,
-                                     const RunIdentity& run) {
+                                     const RunIdentity& run, InFlight::Time now) {
+  progressed_ = now;
   wire::Task task{};
   task.protocol = wire::kProtocolVersion;
   task.run_id = run.run_id;

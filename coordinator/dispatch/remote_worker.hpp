@@ -35,8 +35,10 @@ class RemoteWorker {
   // "host, pid 123" fit for a terminal.
   const std::string& name() const { return name_; }
 
-  // Takes what a Hello says about the run and its chain.
-  void hear(const wire::Hello& hello, const RunIdentity& run);
+  // Takes what a Hello says about the run, its chain, and how far the worker got.
+  void hear(const wire::Hello& hello, const RunIdentity& run, InFlight::Time now);
+  // Since when its count of evaluated individuals stands still, or since it was last given something to do.
+  InFlight::Time progressed() const { return progressed_; }
   // Holds the chain, serves this run, and can be written to.
   bool ready() const { return holds_chain_ && tasks_.matched(); }
   void lacks_chain() { holds_chain_ = false; }
@@ -46,7 +48,8 @@ class RemoteWorker {
   // Returns how many blocks were sent.
   std::size_t send_blocks(std::span<const std::uint8_t> chain_bytes, const RunIdentity& run);
 
-  Result<void> send_task(const Batch& batch, std::span<const std::uint8_t> payload, const RunIdentity& run);
+  Result<void> send_task(const Batch& batch, std::span<const std::uint8_t> payload, const RunIdentity& run,
+                         InFlight::Time now);
 
   // Cost of one individual in `steps` walked steps, smoothed over answers; 0 before the first.
   void measured(std::chrono::nanoseconds elapsed, std::uint32_t individuals, std::uint64_t steps);
@@ -68,6 +71,8 @@ class RemoteWorker {
   };
   std::optional<Blocks> requested_;
   double ns_per_step_ = 0.0;
+  std::uint64_t evaluated_ = 0;
+  InFlight::Time progressed_;
 };
 
 }  // namespace coppice

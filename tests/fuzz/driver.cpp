@@ -135,9 +135,9 @@ void run_only(const Mutation& mutation, std::uint32_t i, const std::string& save
 
 int drive(const Options& options) {
   const std::vector<File> files = read_files(options.paths);
-  std::vector<Bytes> corpus;
+  Corpus corpus;
   for (const File& file : files) {
-    corpus.push_back(file.bytes);
+    (file.is_bad() ? corpus.bad : corpus.good).push_back(file.bytes);
   }
   const Mutation mutation(std::move(corpus), options.seed);
   show_last_input_when_stopped();

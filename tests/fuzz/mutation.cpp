@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -45,14 +46,18 @@ constexpr std::array<std::string_view, 12> kNumbers = {
 
 bool is_digit(std::uint8_t byte) { return byte >= '0' && byte <= '9'; }
 
+bool is_word(std::uint8_t byte) {
+  return is_digit(byte) || (byte >= 'a' && byte <= 'z') || (byte >= 'A' && byte <= 'Z') || byte == '_';
+}
+
 // One input in the making.
 class Draft {
  public:
-  Draft(const std::vector<Bytes>& corpus, Xoshiro256& random, Bytes& input)
-      : corpus_(corpus), random_(random), input_(input) {}
+  Draft(const std::vector<Bytes>& files, Xoshiro256& random, Bytes& input)
+      : files_(files), random_(random), input_(input) {}
 
   void change() {
-    switch (random_.below(11)) {
+    switch (random_.below(14)) {
       case 0:
         return flip_bit();
       case 1:
@@ -73,8 +78,10 @@ class Draft {
         return overwrite(part_of(any_file()));
       case 9:
         return input_.resize(below(input_.size() + 1));
-      default:
+      case 10:
         return write_number();
+      default:
+        return write_word();
     }
   }
 
@@ -87,7 +94,7 @@ class Draft {
  private:
   static std::ptrdiff_t offset(std::size_t at) { return static_cast<std::ptrdiff_t>(at); }
   std::size_t below(std::size_t n) { return static_cast<std::size_t>(random_.below(n)); }
-  const Bytes& any_file() { return corpus_[below(corpus_.size())]; }
+  const Bytes& any_file() { return files_[below(files_.size())]; }
 
   // Short ranges most of the time: tokens, fields.
   std::pair<std::size_t, std::size_t> range_in(const Bytes& bytes) {
@@ -155,6 +162,23 @@ class Draft {
       std::memcpy(at, &value, width);
     }
   }
+  // The first word at or after a random place; empty, at the end, if there is none.
+  std::pair<std::size_t, std::size_t> word_in(const Bytes& bytes) {
+    const auto begin = std::find_if(bytes.begin() + offset(below(bytes.size() + 1)), bytes.end(), is_word);
+    const auto end = std::find_if_not(begin, bytes.end(), is_word);
+    return {static_cast<std::size_t>(begin - bytes.begin()), static_cast<std::size_t>(end - bytes.begin())};
+  }
+  // One word in place of another: what a text is made of, so that it often stays valid.
+  void write_word() {
+    const Bytes& other = any_file();
+    const auto [from, to] = word_in(other);
+    const auto [begin, end] = word_in(input_);
+    if (from < to && begin < end) {
+      const Bytes word(other.begin() + offset(from), other.begin() + offset(to));
+      input_.erase(input_.begin() + offset(begin), input_.begin() + offset(end));
+      input_.insert(input_.begin() + offset(begin), word.begin(), word.end());
+    }
+  }
   // In place of a decimal number.
   void write_number() {
     auto begin = std::find_if(input_.begin() + offset(below(input_.size() + 1)), input_.end(), is_digit);
@@ -166,22 +190,25 @@ class Draft {
     }
   }
 
-  const std::vector<Bytes>& corpus_;
+  const std::vector<Bytes>& files_;
   Xoshiro256& random_;
   Bytes& input_;
 };
 
 }  // namespace
 
-Mutation::Mutation(std::vector<Bytes> corpus, std::uint32_t seed) : corpus_(std::move(corpus)), seed_(seed) {
-  COPPICE_CHECK(!corpus_.empty());
+Mutation::Mutation(Corpus corpus, std::uint32_t seed)
+    : files_(std::move(corpus.good)), good_(files_.size()), seed_(seed) {
+  std::move(corpus.bad.begin(), corpus.bad.end(), std::back_inserter(files_));
+  COPPICE_CHECK(!files_.empty());
 }
 
 void Mutation::make(std::uint32_t i, Bytes& input) const {
   Xoshiro256 random(std::uint64_t{seed_} << 32U | i);
-  const Bytes& file = corpus_[random.below(corpus_.size())];
+  const bool from_good = good_ > 0 && random.below(4) > 0;
+  const Bytes& file = files_[random.below(from_good ? good_ : files_.size())];
   input.assign(file.begin(), file.end());
-  Draft draft(corpus_, random, input);
+  Draft draft(files_, random, input);
   if (random.below(8) == 0) {
     draft.cross();
   }
