@@ -33,8 +33,8 @@ std::vector<ChainHash> ChainStore::held() const {
 
 Assembly::Assembly(const ChainHash& hash, std::uint64_t size, std::size_t block_bytes)
     : hash_(hash),
+      size_(size),
       block_bytes_(block_bytes),
-      bytes_(size),
       present_((size + block_bytes - 1) / block_bytes),
       missing_(present_.size()) {}
 
@@ -50,11 +50,12 @@ Result<void> Assembly::add(std::uint32_t index, std::span<const std::uint8_t> bl
     return bad_input(fmt::format("chain block {} of {}", index, present_.size()));
   }
   const std::size_t begin = index * block_bytes_;
-  const std::size_t expected = std::min(block_bytes_, bytes_.size() - begin);
+  const std::size_t expected = std::min<std::size_t>(block_bytes_, size_ - begin);
   if (block.size() != expected) {
     return bad_input(fmt::format("chain block {} has {} bytes: expected {}", index, block.size(), expected));
   }
   if (!present_[index]) {
+    bytes_.resize(std::max(bytes_.size(), begin + expected));
     std::copy(block.begin(), block.end(), bytes_.begin() + static_cast<std::ptrdiff_t>(begin));
     present_[index] = true;
     --missing_;

@@ -40,6 +40,7 @@ class Assembly {
   static Result<Assembly> start(const ChainHash& hash, std::uint64_t size, std::size_t block_bytes);
 
   const ChainHash& hash() const { return hash_; }
+  std::uint64_t size() const { return size_; }
   // Takes a block. Errors: index or length do not fit.
   Result<void> add(std::uint32_t index, std::span<const std::uint8_t> block);
   bool complete() const { return missing_ == 0; }
@@ -58,8 +59,9 @@ class Assembly {
   Assembly(const ChainHash& hash, std::uint64_t size, std::size_t block_bytes);
 
   ChainHash hash_;
+  std::uint64_t size_;
   std::size_t block_bytes_;
-  std::vector<std::uint8_t> bytes_;
+  std::vector<std::uint8_t> bytes_;  // grows with the blocks that came, not with what was promised
   std::vector<bool> present_;
   std::size_t missing_;
   std::uint32_t first_missing_ = 0;  // no block before it is missing

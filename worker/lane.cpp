@@ -103,7 +103,11 @@ Lane::Outcome Lane::evaluate(const wire::Task& task) {
     tallies.push_back(evaluation_->evaluate(tree));
     state_.evaluated.fetch_add(1, std::memory_order_relaxed);
   }
-  return {coppice_wire_EVALUATED, wire::encode_tallies(tallies)};
+  auto payload = wire::encode_tallies(tallies);
+  if (payload.size() > wire::kMaxTaskPayload) {
+    return {coppice_wire_REFUSED, as_bytes("the answer would be larger than the contract allows")};
+  }
+  return {coppice_wire_EVALUATED, std::move(payload)};
 }
 
 Result<void> Lane::prepare(const std::shared_ptr<const PreparedChain>& chain, const Job& job) {

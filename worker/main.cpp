@@ -6,8 +6,6 @@
 #include <spdlog/spdlog.h>
 #include <string>
 #include <sys/prctl.h>
-#include <sys/resource.h>
-#include <thread>
 #include <unistd.h>
 
 #include "common/stop.hpp"

@@ -22,6 +22,8 @@ constexpr std::chrono::milliseconds kHelloInterval{250};
 constexpr std::chrono::milliseconds kBlockStall{500};  // without a block for this long, the missing are asked for again
 constexpr std::int64_t kFarewellMs = 1000;  // for the coordinator to receive the last answers and the last Hello
 constexpr std::size_t kMostPerTake = 256;
+constexpr int kMostFailedChains = 3;
+static_assert(ChainStore::kMaxChains <= coppice_wire_MAX_CHAINS_HELD);
 
 std::uint64_t random_identity() {
   std::random_device device;
@@ -32,6 +34,9 @@ std::uint64_t random_identity() {
 class Server {
  public:
   static Result<std::unique_ptr<Server>> open(const ServeOptions& options);
+  ~Server() { stop_lanes(); }
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
 
   Result<void> run(const StopFlag& stop);
 
@@ -53,8 +58,9 @@ class Server {
   Result<void> start_lanes();
   Result<void> take_controls();
   void meet(const wire::Control& control);
-  void take_blocks();
-  void finish_chain();
+  Result<void> take_blocks();
+  Result<void> finish_chain();
+  void stop_lanes();
   void request_missing();
   void say_hello();
   void leave();
@@ -72,6 +78,7 @@ class Server {
   std::vector<std::unique_ptr<Lane>> lanes_;  // after what they use: joined first
 
   std::optional<Assembly> assembly_;
+  int failed_chains_ = 0;            // in a row
   std::uint32_t requested_end_ = 0;  // blocks before it have been asked for
   Clock::time_point last_block_;
   Clock::time_point next_hello_;
@@ -139,7 +146,9 @@ Result<void> Server::run(const StopFlag& stop) {
   Result<void> outcome;
   while (outcome && !stop.raised()) {
     outcome = take_controls();
-    take_blocks();
+    if (outcome) {
+      outcome = take_blocks();
+    }
     if (assembly_ && Clock::now() - last_block_ > kBlockStall) {
       requested_end_ = 0;
       request_missing();
@@ -183,7 +192,7 @@ void Server::meet(const wire::Control& control) {
   const ChainHash hash = wire::from_wire(control.chain);
   if (state_.chains.find(hash) != nullptr) {
     assembly_.reset();
-  } else if (!assembly_ || assembly_->hash() != hash) {
+  } else if (!assembly_ || assembly_->hash() != hash || assembly_->size() != control.chain_size) {
     auto assembly = Assembly::start(hash, control.chain_size, wire::kBlockBytes);
     if (!assembly) {
       spdlog::error("{}", assembly.error().message);
@@ -218,7 +227,7 @@ void Server::request_missing() {
   }
 }
 
-void Server::take_blocks() {
+Result<void> Server::take_blocks() {
   blocks_.take(kMostPerTake, [&](const wire::ChainBlock& block, const dds_sample_info_t& info) {
     if (!info.valid_data || !assembly_ || wire::from_wire(block.chain) != assembly_->hash()) {
       return;
@@ -231,26 +240,32 @@ void Server::take_blocks() {
   });
   if (assembly_) {
     if (assembly_->complete()) {
-      finish_chain();
-    } else {
-      request_missing();
+      return finish_chain();
     }
+    request_missing();
   }
+  return {};
 }
 
-void Server::finish_chain() {
+Result<void> Server::finish_chain() {
   const ChainHash hash = assembly_->hash();
   auto chain = std::move(*assembly_).finish();
   assembly_.reset();
   if (!chain) {
-    // The next Control or the next coordinator starts over; without the chain no task comes.
+    if (++failed_chains_ >= kMostFailedChains) {
+      return failed(fmt::format("chain {}: {} (in {} transfers)", hash.hex(), chain.error().message, failed_chains_));
+    }
     spdlog::error("chain {}: {}", hash.hex(), chain.error().message);
-    return;
+    state_.run_id = 0;  // the coordinator hears of it and announces its run again, which starts over
+    say_hello();
+    return {};
   }
   spdlog::info("holds chain {}: {} states, {} transitions", hash.hex(), (*chain)->chain().states(),
                (*chain)->chain().transitions());
+  failed_chains_ = 0;
   state_.chains.add(hash, std::move(*chain));
   say_hello();
+  return {};
 }
 
 void Server::say_hello() {
@@ -278,12 +293,17 @@ void Server::say_hello() {
   }
 }
 
-void Server::leave() {
+// Each lane finishes the individual that it is at.
+void Server::stop_lanes() {
   state_.leaving = true;
   for (const auto& lane : lanes_) {
     lane->wake();
   }
-  lanes_.clear();  // joins: each lane finishes the individual that it is at
+  lanes_.clear();
+}
+
+void Server::leave() {
+  stop_lanes();
   tasks_.take(wire::kTaskDepth, [&](const wire::Task& task, const dds_sample_info_t& info) {
     if (info.valid_data) {
       give_back(state_, task, answers_);

@@ -10,6 +10,9 @@
 namespace coppice {
 namespace {
 
+// Of all states together: so that a sum of them is an integer score.
+constexpr std::uint64_t kMaxVisits = std::uint64_t{1} << 62U;
+
 Result<void> check_sizes(const ChainParts& parts) {
   const std::size_t states = parts.policy.size();
   const std::size_t rows = states * parts.vocabulary.actions.size();
@@ -61,6 +64,14 @@ Result<void> check_states(const ChainParts& parts) {
         return bad_input(fmt::format("state {} reads {} on feature '{}': expected one of {}", state, value,
                                      feature.name, fmt::join(feature.values, ", ")));
       }
+    }
+  }
+  std::uint64_t visited = 0;
+  for (const std::uint64_t visits : parts.visits) {
+    visited += std::min(visits, kMaxVisits);
+    if (visited >= kMaxVisits) {
+      return bad_input(
+          fmt::format("states were visited {} times or more in all: expected below {}", visited, kMaxVisits));
     }
   }
   std::vector<std::uint32_t> order(states);

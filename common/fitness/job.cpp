@@ -25,6 +25,11 @@ Result<void> check_job(const Job& job) {
   if (job.objectives.empty() || job.objectives.size() > kMaxObjectives) {
     return bad_input(fmt::format("{} objectives: expected 1 to {}", job.objectives.size(), kMaxObjectives));
   }
+  for (const Objective& objective : job.objectives) {
+    if (objective.kind != ObjectiveKind::shaped && !objective.rules.empty()) {
+      return bad_input(fmt::format("objective '{}' has rules: only 'shaped' may", name_of(objective.kind)));
+    }
+  }
   if (job.rollouts == 0 || job.rollouts > kMaxRollouts) {
     return bad_input(fmt::format("{} roll-outs: expected 1 to {}", job.rollouts, kMaxRollouts));
   }

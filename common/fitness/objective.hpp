@@ -26,7 +26,7 @@ enum class ObjectiveKind : std::uint8_t {
 inline constexpr std::uint8_t kObjectiveKinds = 6;
 
 // Fixed point of q_value and expected_return: value = score / kScoreOne. Values beyond +-kMaxScoredValue are
-// refused, so that a sum over 2^32 steps cannot overflow 64 bits.
+// refused, so that a sum over kMaxWalkedSteps steps stays far below 2^63.
 inline constexpr double kScoreOne = 1048576.0;  // 2^20
 inline constexpr double kMaxScoredValue = 2048.0;
 inline constexpr std::size_t kMaxShapedRules = 32;

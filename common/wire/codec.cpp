@@ -208,6 +208,10 @@ Result<DecodedTask> decode_task(std::span<const std::uint8_t> payload, const Voc
   return task;
 }
 
+std::size_t encoded_tally_size(std::size_t objectives) {
+  return sizeof(std::uint32_t) + (2 + objectives) * sizeof(std::uint64_t);
+}
+
 std::vector<std::uint8_t> encode_tallies(std::span<const Tally> tallies) {
   ByteWriter writer;
   writer.put(static_cast<std::uint32_t>(tallies.size()));
@@ -224,7 +228,7 @@ Result<std::vector<Tally>> decode_tallies(std::span<const std::uint8_t> payload,
                                           std::size_t objectives) {
   ByteReader reader(payload);
   const auto count = reader.get<std::uint32_t>();
-  const std::size_t each = sizeof(std::uint32_t) + (2 + objectives) * sizeof(std::uint64_t);
+  const std::size_t each = encoded_tally_size(objectives);
   if (!reader.ok() || count != trees || reader.left() != trees * each) {
     return bad_input(fmt::format("answer of {} bytes says {} tallies: expected {} of {} bytes each", payload.size(),
                                  count, trees, each));

@@ -35,6 +35,9 @@ struct DecodedTask {
 };
 Result<DecodedTask> decode_task(std::span<const std::uint8_t> payload, const Vocabulary& vocabulary);
 
+// Bytes that encode_tallies() spends on one tally.
+std::size_t encoded_tally_size(std::size_t objectives);
+
 std::vector<std::uint8_t> encode_tallies(std::span<const Tally> tallies);
 // Errors also when the answer does not hold `trees` tallies of `objectives` scores each.
 Result<std::vector<Tally>> decode_tallies(std::span<const std::uint8_t> payload, std::size_t trees,

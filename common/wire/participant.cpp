@@ -47,6 +47,12 @@ void take_line(void*, const dds_log_data_t* data) {
   }
 }
 
+// Without this libddsc prints to standard error itself.
+void install_sinks() {
+  dds_set_log_sink(&take_line, nullptr);
+  dds_set_trace_sink(&take_line, nullptr);
+}
+
 std::string set_joining(bool joining) {
   DdsLog& log = dds_log();
   const std::lock_guard lock(log.mutex);
@@ -61,17 +67,19 @@ void route_dds_log(void (*sink)(const char* line)) {
     const std::lock_guard lock(dds_log().mutex);
     dds_log().sink = sink;
   }
-  dds_set_log_sink(&take_line, nullptr);
-  dds_set_trace_sink(&take_line, nullptr);
+  install_sinks();
 }
 
 Result<Participant> Participant::join(std::uint32_t domain, const std::string& configuration) {
+  install_sinks();
   set_joining(true);
   Entity owned_domain;
-  if (std::getenv("CYCLONEDDS_URI") == nullptr) {
+  const char* uri = std::getenv("CYCLONEDDS_URI");
+  if (uri == nullptr || *uri == '\0') {
     auto created = Entity::own(dds_create_domain(domain, configuration.c_str()), fmt::format("domain {}", domain));
     if (!created) {
-      return in_context(set_joining(false), created.error());
+      const std::string why = set_joining(false);
+      return why.empty() ? tl::unexpected(created.error()) : in_context(why, created.error());
     }
     owned_domain = std::move(*created);
   }

@@ -17,7 +17,8 @@
 
 namespace coppice::wire {
 
-// Of every sample. A change of the contract that old programs would misread raises it.
+// Of every sample. A change of the contract that old programs would misread raises it, and so does a change of what
+// evaluate() returns: workers of two builds must never give two answers.
 inline constexpr std::uint32_t kProtocolVersion = 1;
 
 using Hello = coppice_wire_Hello;
@@ -123,10 +124,10 @@ class Reader {
       if (count <= 0) {
         break;
       }
+      const Loan loan{entity_.get(), samples.data(), count};
       for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
         on_sample(*static_cast<const Sample*>(samples[i]), infos[i]);
       }
-      dds_return_loan(entity_.get(), samples.data(), count);
       taken += static_cast<std::size_t>(count);
     }
     return taken;
@@ -134,6 +135,14 @@ class Reader {
   dds_entity_t get() const { return entity_.get(); }
 
  private:
+  // Given back also when on_sample throws.
+  struct Loan {
+    dds_entity_t reader;
+    void** samples;
+    std::int32_t count;
+    ~Loan() { dds_return_loan(reader, samples, count); }
+  };
+
   explicit Reader(Entity entity) : entity_(std::move(entity)) {}
   Entity entity_;
 };

@@ -1,6 +1,7 @@
 #include "coordinator/dispatch/in_flight.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/check.hpp"
 
@@ -33,7 +34,17 @@ void InFlight::abandon() {
   ++generation_;  // what is out belongs to no generation now
 }
 
-void InFlight::add_worker(WorkerId worker) { workers_.emplace(worker, Worker{}); }
+void InFlight::add_worker(WorkerId worker, std::size_t lanes) {
+  COPPICE_CHECK(lanes >= 1);
+  workers_.emplace(worker, Worker{lanes, 0, false});
+  for (auto& [id, out] : out_) {
+    if (out.worker == worker && std::exchange(out.suspected, false) && out.generation == generation_) {
+      for (std::uint32_t slot = out.batch.first; slot < out.batch.first + out.batch.count; ++slot) {
+        --attempts_[slot];
+      }
+    }
+  }
+}
 
 std::size_t InFlight::load(WorkerId worker) const {
   const auto found = workers_.find(worker);
@@ -41,7 +52,7 @@ std::size_t InFlight::load(WorkerId worker) const {
 }
 
 bool InFlight::may_take(const Worker& worker, const Range& range) const {
-  return !worker.alone && worker.out < (range.alone ? 1 : limits_.credit);
+  return !worker.alone && worker.out < (range.alone ? 1 : worker.lanes + limits_.ahead);
 }
 
 bool InFlight::can_take(WorkerId worker) const {
@@ -66,9 +77,16 @@ std::optional<InFlight::Range> InFlight::take_range(const Worker& worker, std::u
   return taken;
 }
 
-Batch InFlight::send(Worker& worker, WorkerId id, const Range& range, Time due) {
+Batch InFlight::send(Worker& worker, WorkerId id, const Range& range, Time now, Duration patience) {
   const Batch batch{BatchId{next_batch_++}, range.first, range.count};
-  out_.emplace(batch.id, Out{batch, id, due, generation_, 0, range.alone, false});
+  Out out;
+  out.batch = batch;
+  out.worker = id;
+  out.sent = now;
+  out.due = now + patience;
+  out.generation = generation_;
+  out.alone = range.alone;
+  out_.emplace(batch.id, out);
   ++worker.out;
   worker.alone = worker.alone || range.alone;
   return batch;
@@ -82,19 +100,35 @@ std::optional<Batch> InFlight::offer(WorkerId worker, std::uint32_t most, Time n
   if (!range) {
     return std::nullopt;
   }
-  return send(found->second, worker, *range, now + patience);
+  return send(found->second, worker, *range, now, patience);
+}
+
+bool InFlight::has_unsettled(const Out& out) const {
+  const auto begin = settled_.begin() + out.batch.first;
+  return std::find(begin, begin + out.batch.count, false) != begin + out.batch.count;
+}
+
+bool InFlight::can_be_copied(const Out& out) const {
+  return out.generation == generation_ && !out.lost && out.copies < limits_.copies && has_unsettled(out);
+}
+
+bool InFlight::is_held_elsewhere(std::uint32_t slot) const {
+  return std::any_of(out_.begin(), out_.end(), [&](const auto& entry) {
+    const Out& out = entry.second;
+    return out.generation == generation_ && !out.lost && slot >= out.batch.first &&
+           slot < out.batch.first + out.batch.count;
+  });
 }
 
 std::optional<Batch> InFlight::offer_copy(WorkerId worker, Time now, Duration patience) {
   const auto found = workers_.find(worker);
   COPPICE_CHECK(found != workers_.end());
-  if (waiting_ > 0 || found->second.out > 0) {
+  if (waiting_ > 0 || found->second.out >= found->second.lanes || found->second.alone) {
     return std::nullopt;
   }
   Out* oldest = nullptr;
   for (auto& [id, out] : out_) {
-    if (out.generation == generation_ && !out.lost && out.worker != worker && out.due <= now &&
-        out.copies < limits_.copies && (oldest == nullptr || out.due < oldest->due)) {
+    if (out.worker != worker && out.due <= now && can_be_copied(out) && (oldest == nullptr || out.due < oldest->due)) {
       oldest = &out;
     }
   }
@@ -105,13 +139,15 @@ std::optional<Batch> InFlight::offer_copy(WorkerId worker, Time now, Duration pa
   ++oldest->copies;
   oldest->due = now + patience;  // the copy gets its time before a third worker is asked
   const Range range{oldest->batch.first, oldest->batch.count, oldest->alone};
-  return send(found->second, worker, range, now + patience);
+  const Batch copy = send(found->second, worker, range, now, patience);
+  out_.at(copy.id).copies = limits_.copies;
+  return copy;
 }
 
 std::optional<InFlight::Time> InFlight::next_due() const {
   std::optional<Time> next;
   for (const auto& [id, out] : out_) {
-    if (out.generation == generation_ && !out.lost && out.copies < limits_.copies && (!next || out.due < *next)) {
+    if (can_be_copied(out) && (!next || out.due < *next)) {
       next = out.due;
     }
   }
@@ -136,7 +172,7 @@ std::optional<InFlight::Found> InFlight::find(BatchId batch, WorkerId worker) co
   if (found == out_.end() || found->second.worker != worker) {
     return std::nullopt;
   }
-  return Found{found->second.batch, found->second.generation == generation_};
+  return Found{found->second.batch, found->second.generation == generation_, found->second.sent};
 }
 
 InFlight::Settlement InFlight::settle(BatchId batch, WorkerId worker) {
@@ -241,9 +277,10 @@ InFlight::Loss InFlight::lose_worker(WorkerId worker, Farewell farewell) {
       continue;
     }
     ++loss.batches;
-    for (std::uint32_t slot = out.batch.first; farewell == Farewell::died && slot < out.batch.first + out.batch.count;
-         ++slot) {
-      if (!settled_[slot] && ++attempts_[slot] >= limits_.attempts) {
+    out.suspected = farewell == Farewell::died;
+    for (std::uint32_t slot = out.batch.first; out.suspected && slot < out.batch.first + out.batch.count; ++slot) {
+      ++attempts_[slot];
+      if (!settled_[slot] && attempts_[slot] >= limits_.attempts && !is_held_elsewhere(slot)) {
         settle_slot(slot);
         loss.poisonous.push_back(slot);
       }

@@ -22,10 +22,10 @@ enum class WorkerId : std::uint64_t {};
 enum class BatchId : std::uint64_t {};
 
 struct InFlightLimits {
-  std::size_t credit = 2;           // batches out at one worker: one at work, one to hide the way there
+  std::size_t ahead = 1;            // batches out at a worker beyond those at work, to hide the way there
   std::uint32_t attempts = 5;       // workers that may be lost with a slot before it counts as poisonous
   std::uint32_t isolate_after = 2;  // lost workers after which a slot travels alone
-  std::uint32_t copies = 2;         // times that an overdue batch may be offered again
+  std::uint32_t copies = 2;         // of one overdue batch; a copy is not copied
 };
 
 // Slots first .. first + count - 1.
@@ -48,7 +48,9 @@ class InFlight {
   // Gives the generation up (interrupted): done() holds afterwards.
   void abandon();
 
-  void add_worker(WorkerId worker);
+  // A worker with so many evaluating threads. One that was lost and is back did not die after all: what it held is
+  // cleared of suspicion. REQUIRES: lanes >= 1.
+  void add_worker(WorkerId worker, std::size_t lanes = 1);
   bool has_worker(WorkerId worker) const { return workers_.count(worker) != 0; }
   std::size_t workers() const { return workers_.size(); }
   // Batches out at a worker, copies and leftovers of earlier generations included.
@@ -59,8 +61,8 @@ class InFlight {
   // Takes at most `most` waiting slots for the worker; it should answer within `patience`. None when nothing waits
   // that it may take, or its credit is used up. REQUIRES: has_worker(worker), most >= 1.
   std::optional<Batch> offer(WorkerId worker, std::uint32_t most, Time now, Duration patience);
-  // Nothing waits: a copy of the batch that is overdue longest and is out at somebody else. REQUIRES:
-  // has_worker(worker).
+  // Nothing waits and a lane is idle: a copy of the batch that is overdue longest and is out at somebody else.
+  // REQUIRES: has_worker(worker).
   std::optional<Batch> offer_copy(WorkerId worker, Time now, Duration patience);
   // When the next batch becomes overdue, if any is out.
   std::optional<Time> next_due() const;
@@ -78,6 +80,7 @@ class InFlight {
   struct Found {
     Batch batch;
     bool current = false;
+    Time sent;
   };
   std::optional<Found> find(BatchId batch, WorkerId worker) const;
   // The worker returned the batch unevaluated; its slots wait again, at the front. False: foreign.
@@ -105,13 +108,16 @@ class InFlight {
   struct Out {
     Batch batch;
     WorkerId worker{};
+    Time sent;
     Time due;
     std::uint64_t generation = 0;
     std::uint32_t copies = 0;  // of this batch, made so far
     bool alone = false;
-    bool lost = false;  // its worker is: not charged, but an answer still counts
+    bool lost = false;       // its worker is: not charged, but an answer still counts
+    bool suspected = false;  // lost by death: counted in attempts_
   };
   struct Worker {
+    std::size_t lanes = 1;
     std::size_t out = 0;
     bool alone = false;  // holds an isolated slot: gets nothing beside it
   };
@@ -120,7 +126,10 @@ class InFlight {
   void wait_again(const Out& out);
   void push_waiting(std::uint32_t first, std::uint32_t count);
   std::optional<Range> take_range(const Worker& worker, std::uint32_t most);
-  Batch send(Worker& worker, WorkerId id, const Range& range, Time due);
+  Batch send(Worker& worker, WorkerId id, const Range& range, Time now, Duration patience);
+  bool has_unsettled(const Out& out) const;
+  bool can_be_copied(const Out& out) const;
+  bool is_held_elsewhere(std::uint32_t slot) const;
   void discharge(const Out& out);
   void settle_slot(std::uint32_t slot);
   void drop_settled();

@@ -20,6 +20,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kPatienceAtEnd{1500};
 constexpr std::chrono::milliseconds kReapInterval{2};
+constexpr std::chrono::seconds kLongLife{30};  // a worker that lived so long may be started again as often as ever
+constexpr int kFirstOfOurDescriptors = 3;
 
 std::string how_it_ended(int status) {
   if (WIFSIGNALED(status)) {
@@ -40,10 +42,15 @@ Result<pid_t> LocalWorkers::spawn() const {
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   posix_spawnattr_setpgroup(&attributes, 0);
+  // Our DDS sockets stay ours: a worker that outlives us must not keep the coordinator's port.
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addclosefrom_np(&actions, kFirstOfOurDescriptors);
   pid_t pid = 0;
   const int error =
-      posix_spawn(&pid, program.c_str(), nullptr, &attributes, const_cast<char**>(arguments.data()), environ);
+      posix_spawn(&pid, program.c_str(), &actions, &attributes, const_cast<char**>(arguments.data()), environ);
   posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
   if (error != 0) {
     return failed(fmt::format("cannot start {}: {}", program, std::strerror(error)));
   }
@@ -58,7 +65,7 @@ Result<LocalWorkers> LocalWorkers::start(const std::filesystem::path& program, s
     if (!pid) {
       return tl::unexpected(pid.error());
     }
-    workers.workers_.push_back({*pid, 0});
+    workers.workers_.push_back({.pid = *pid});
   }
   return workers;
 }
@@ -92,27 +99,30 @@ LocalWorkers::~LocalWorkers() {
   }
 }
 
-std::vector<std::string> LocalWorkers::tend() {
-  std::vector<std::string> happened;
+std::vector<LocalWorkers::Ended> LocalWorkers::tend() {
+  std::vector<Ended> ended;
   for (Worker& worker : workers_) {
     int status = 0;
     if (worker.pid == 0 || waitpid(worker.pid, &status, WNOHANG) != worker.pid) {
       continue;
     }
-    std::string line = fmt::format("worker process {} {}", worker.pid, how_it_ended(status));
+    Ended entry{worker.pid, fmt::format("worker process {} {}", worker.pid, how_it_ended(status))};
+    const auto now = std::chrono::steady_clock::now();
     worker.pid = 0;
+    worker.restarts = now - worker.started > kLongLife ? 0 : worker.restarts;
     if (worker.restarts >= kMaxRestarts) {
-      line += fmt::format("; not started again after {} times", kMaxRestarts);
+      entry.what += fmt::format("; not started again after {} times in a row", kMaxRestarts);
     } else if (const auto pid = spawn(); pid) {
       ++worker.restarts;
       worker.pid = *pid;
-      line += fmt::format("; started {} in its place", *pid);
+      worker.started = now;
+      entry.what += fmt::format("; started {} in its place", *pid);
     } else {
-      line += "; " + pid.error().message;
+      entry.what += "; " + pid.error().message;
     }
-    happened.push_back(std::move(line));
+    ended.push_back(std::move(entry));
   }
-  return happened;
+  return ended;
 }
 
 std::vector<pid_t> LocalWorkers::pids() const {

@@ -3,6 +3,7 @@
 // that is killed. One thread uses it.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -16,10 +17,12 @@ namespace coppice {
 
 class LocalWorkers {
  public:
-  static constexpr int kMaxRestarts = 3;  // of each worker
+  // Of each worker in a row; more than an individual needs to count as poisonous.
+  static constexpr int kMaxRestarts = 6;
   static constexpr std::size_t kMaxWorkers = 1024;
 
-  // Starts `count` workers of `program` for the coordinator of this machine in `domain`. Errors: the program cannot be
+  // Starts `count` workers of `program` for the coordinator of this machine in `domain`.
+  // REQUIRES: the calling thread lives as long as the workers: they die with it. Errors: the program cannot be
   // started (those that were are stopped).
   static Result<LocalWorkers> start(const std::filesystem::path& program, std::size_t count, std::uint32_t domain);
 
@@ -27,12 +30,16 @@ class LocalWorkers {
   LocalWorkers& operator=(LocalWorkers&&) = delete;
   LocalWorkers(const LocalWorkers&) = delete;
   LocalWorkers& operator=(const LocalWorkers&) = delete;
-  // SIGTERM to all, a second later SIGKILL to those still there; reaps every one.
+  // SIGTERM to all, 1.5 s later SIGKILL to those still there; reaps every one.
   ~LocalWorkers();
 
-  // Reaps workers that ended and starts others in their place, kMaxRestarts times each. Never blocks. Returns what
-  // happened, a line each, for the log.
-  std::vector<std::string> tend();
+  // Reaps workers that ended and starts others in their place, kMaxRestarts times each unless they lived long enough.
+  // Never blocks. Returns which ended, with a line for the log.
+  struct Ended {
+    pid_t pid = 0;
+    std::string what;
+  };
+  std::vector<Ended> tend();
 
   // Those that run.
   std::vector<pid_t> pids() const;
@@ -40,8 +47,9 @@ class LocalWorkers {
 
  private:
   struct Worker {
-    pid_t pid = 0;  // 0: given up
-    int restarts = 0;
+    pid_t pid = 0;     // 0: given up
+    int restarts = 0;  // in a row
+    std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   };
 
   LocalWorkers(std::filesystem::path program, std::uint32_t domain) : program_(std::move(program)), domain_(domain) {}

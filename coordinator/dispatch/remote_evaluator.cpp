@@ -20,11 +20,14 @@ using namespace std::chrono_literals;
 constexpr auto kTendInterval = 100ms;      // child processes and the wait limit are looked at this often
 constexpr auto kNoticeInterval = 10s;      // "waiting for a worker" is repeated this often
 constexpr auto kShortestPatience = 250ms;  // a batch is not overdue before
+constexpr auto kLongestPatience = 60s;
 constexpr auto kPatienceUnmeasured = 2s;
 constexpr auto kHangLimit = 5s;  // no progress with work at hand for this long, doubled each time
 constexpr auto kLongestHangLimit = 3600s;
 constexpr int kPatienceFactor = 4;  // times the measured cost of all that the worker has before it
 constexpr std::size_t kMostPerTake = 1024;
+constexpr std::size_t kMaxWorkers = 1024;
+constexpr std::ptrdiff_t kMostReason = 200;   // characters of a worker's reason that are logged
 constexpr std::size_t kMaxRemembered = 4096;  // sources that were logged
 constexpr std::size_t kTaskBytes =
     64 * 1024;                                // a task's trees; far below the contract's bound, one UDP datagram's size
@@ -170,7 +173,12 @@ Result<std::vector<Tally>> RemoteEvaluator::evaluate(std::span<const Tree> trees
   for (const Tree& tree : trees) {
     largest = std::max(largest, wire::encoded_size(tree));
   }
-  most_per_task_ = static_cast<std::uint32_t>(std::max<std::size_t>(kTaskBytes / largest, 1));
+  const std::size_t answers =
+      (wire::kMaxTaskPayload - sizeof(std::uint32_t)) / wire::encoded_tally_size(job.objectives.size());
+  most_per_task_ = static_cast<std::uint32_t>(
+      std::max<std::size_t>(std::min({kTaskBytes / largest, answers, wire::kMaxTreesPerTask}), 1));
+  without_worker_since_.reset();
+  last_settled_ = Clock::now();
   tallies_.assign(trees.size(), Tally{});
   flight_.begin(static_cast<std::uint32_t>(trees.size()));
   while (!flight_.done()) {
@@ -189,6 +197,7 @@ Result<std::vector<Tally>> RemoteEvaluator::evaluate(std::span<const Tree> trees
       dds_.waiter.wait(time_to_sleep(now));
     }
   }
+  hang_limit_ = kHangLimit;
   statistics_.individuals += trees.size();
   return std::move(tallies_);
 }
@@ -234,6 +243,7 @@ void RemoteEvaluator::listen() {
     }
   });
   for (auto& [id, worker] : workers_) {
+    worker.look();
     worker.send_blocks(chain_bytes_, run_);
   }
 }
@@ -259,6 +269,9 @@ void RemoteEvaluator::hear(const wire::Hello& hello, const dds_sample_info_t& in
     return;
   }
   if (found == workers_.end()) {
+    if (banned_.count(id) != 0 || workers_.size() >= kMaxWorkers) {
+      return;
+    }
     auto worker = RemoteWorker::meet(dds_.participant, dds_.waiter, hello);
     if (!worker) {
       spdlog::error("cannot serve a worker: {}", worker.error().message);
@@ -266,7 +279,7 @@ void RemoteEvaluator::hear(const wire::Hello& hello, const dds_sample_info_t& in
     }
     spdlog::debug("worker {} is here", worker->name());
     found = workers_.emplace(id, std::move(*worker)).first;
-    flight_.add_worker(id);
+    flight_.add_worker(id, found->second.lanes());
   }
   found->second.hear(hello, run_, Clock::now());
   // A worker that was out of reach has let go of the run, and DDS does not deliver again what it had before.
@@ -314,9 +327,9 @@ void RemoteEvaluator::take(const wire::Answer& answer) {
       break;
     case coppice_wire_REFUSED: {
       const auto text = wire::view(answer.payload);
-      reject(fmt::format("it refused a batch: {}", wire::shown(std::string(text.begin(), text.end()).c_str())),
-             answer.worker);
-      lose(id, "refused a batch", InFlight::Farewell::died);
+      const std::string reason(text.begin(), text.begin() + std::min(std::ssize(text), kMostReason));
+      reject(fmt::format("it refused a batch: {}", wire::shown(reason.c_str())), answer.worker);
+      ban(id, "refused a batch");
       return;
     }
   }
@@ -335,9 +348,9 @@ void RemoteEvaluator::settle(const wire::Answer& answer, RemoteWorker* worker) {
     return;
   }
   const auto tallies = wire::decode_tallies(wire::view(answer.payload), out->batch.count, job_.objectives.size());
-  if (!tallies) {
-    reject(tallies.error().message, answer.worker);
-    lose(from, "sent a damaged answer", InFlight::Farewell::died);
+  if (!tallies || !fits(*tallies, out->batch)) {
+    reject(tallies ? "an answer to another batch" : tallies.error().message, answer.worker);
+    ban(from, "sent a damaged answer");
     return;
   }
   const auto settlement = flight_.settle(id, from);
@@ -345,11 +358,40 @@ void RemoteEvaluator::settle(const wire::Answer& answer, RemoteWorker* worker) {
     ++statistics_.duplicates;
     return;
   }
+  last_settled_ = Clock::now();
   for (const std::uint32_t slot : settlement.fresh) {
     tallies_[slot] = (*tallies)[slot - out->batch.first];
   }
   if (worker != nullptr) {
-    worker->measured(std::chrono::nanoseconds(answer.elapsed_ns), out->batch.count, job_steps_);
+    // No longer than it was away, whatever it says.
+    const auto away = static_cast<std::uint64_t>(std::chrono::nanoseconds(last_settled_ - out->sent).count());
+    worker->measured(std::chrono::nanoseconds(std::min(answer.elapsed_ns, away)), out->batch.count, job_steps_);
+  }
+}
+
+bool RemoteEvaluator::fits(const std::vector<Tally>& tallies, const Batch& batch) const {
+  for (std::uint32_t i = 0; i < batch.count; ++i) {
+    if (tallies[i].nodes != trees_[batch.first + i].size() || tallies[i].steps != job_steps_) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// A worker that answers nonsense would do so again: its Hellos are not heard any more.
+void RemoteEvaluator::ban(WorkerId id, const std::string& why) {
+  if (banned_.size() < kMaxRemembered) {
+    banned_.insert(id);
+  }
+  lose(id, why, InFlight::Farewell::left);
+}
+
+// A process of our own is known to be dead before its lease tells.
+void RemoteEvaluator::lose_process(pid_t pid) {
+  const auto found =
+      std::find_if(workers_.begin(), workers_.end(), [&](const auto& entry) { return entry.second.pid() == pid; });
+  if (found != workers_.end()) {
+    lose(found->first, "died", InFlight::Farewell::died);
   }
 }
 
@@ -383,8 +425,9 @@ Result<void> RemoteEvaluator::tend(Clock::time_point now) {
     }
   }
   if (local_) {
-    for (const std::string& line : local_->tend()) {
-      spdlog::warn("{}", line);
+    for (const LocalWorkers::Ended& ended : local_->tend()) {
+      spdlog::warn("{}", ended.what);
+      lose_process(ended.pid);
     }
   }
   lose_hanging(now);
@@ -411,6 +454,10 @@ void RemoteEvaluator::lose_hanging(Clock::time_point now) {
 }
 
 Result<void> RemoteEvaluator::wait_for_worker(Clock::time_point now) {
+  if (now - last_settled_ > options_.wait_limit && !workers_.empty()) {
+    return failed(fmt::format("no batch was answered for {} s; what was evaluated is kept",
+                              std::chrono::duration_cast<std::chrono::seconds>(options_.wait_limit).count()));
+  }
   const bool somebody =
       std::any_of(workers_.begin(), workers_.end(), [](const auto& entry) { return entry.second.ready(); });
   if (somebody) {
@@ -443,8 +490,10 @@ std::chrono::nanoseconds RemoteEvaluator::patience_for(const RemoteWorker& worke
     return kPatienceUnmeasured;
   }
   const auto batches_before = static_cast<std::int64_t>(flight_.load(worker.id()) + 1);
-  return std::max<std::chrono::nanoseconds>(kShortestPatience,
-                                            each * std::int64_t{slots} * batches_before * kPatienceFactor);
+  const double work = static_cast<double>(each.count()) * slots * static_cast<double>(batches_before) * kPatienceFactor;
+  const double longest = static_cast<double>(std::chrono::nanoseconds(kLongestPatience).count());
+  return std::max<std::chrono::nanoseconds>(
+      kShortestPatience, std::chrono::nanoseconds(static_cast<std::int64_t>(std::min(work, longest))));
 }
 
 void RemoteEvaluator::hand_out(Clock::time_point now) {
@@ -474,7 +523,8 @@ void RemoteEvaluator::hand_out(Clock::time_point now) {
       if (!worker.ready()) {
         continue;
       }
-      if (const auto copy = flight_.offer_copy(id, now, patience_for(worker, most_per_task_))) {
+      const std::uint32_t usual = batch_size({flight_.unsettled(), lanes, worker.cost_of(job_steps_)});
+      if (const auto copy = flight_.offer_copy(id, now, patience_for(worker, usual))) {
         spdlog::debug("worker {} gets a copy of an overdue batch", worker.name());
         send(worker, *copy);
       }

@@ -72,6 +72,9 @@ class RemoteEvaluator : public Evaluator {
   void lose(WorkerId worker, const std::string& why, InFlight::Farewell farewell);
   Result<void> tend(Clock::time_point now);
   void lose_hanging(Clock::time_point now);
+  void lose_process(pid_t pid);
+  void ban(WorkerId worker, const std::string& why);
+  bool fits(const std::vector<Tally>& tallies, const Batch& batch) const;
   Result<void> wait_for_worker(Clock::time_point now);
   void hand_out(Clock::time_point now);
   bool send(RemoteWorker& worker, const Batch& batch);
@@ -98,12 +101,14 @@ class RemoteEvaluator : public Evaluator {
   Endpoints dds_;
   StopFlag::Wake wake_;
   std::map<WorkerId, RemoteWorker> workers_;
+  std::set<WorkerId> banned_;              // answered nonsense: not heard any more
   std::set<WorkerId> refused_;             // spoke another protocol: told once
   std::set<std::uint64_t> rejected_from_;  // sources of damaged samples: logged once each
   std::optional<LocalWorkers> local_;
 
   InFlight flight_;
   std::chrono::seconds hang_limit_;
+  Clock::time_point last_settled_;  // or the generation's start
   std::vector<Objective> checked_objectives_;
   std::span<const Tree> trees_;  // of the generation in flight
   Job job_;

@@ -7,6 +7,8 @@ namespace coppice {
 namespace {
 
 constexpr double kSmoothing = 0.3;  // weight of the newest measurement
+// A worker's reader keeps kTaskDepth samples: it must never be sent more.
+constexpr std::uint32_t kMaxLanes = wire::kTaskDepth / 2;
 
 }  // namespace
 
@@ -14,7 +16,7 @@ RemoteWorker::RemoteWorker(const wire::Hello& hello, wire::Writer<wire::Task> ta
                            wire::Writer<wire::ChainBlock> blocks)
     : id_{hello.worker},
       pid_(static_cast<pid_t>(hello.pid)),
-      lanes_(std::max(hello.threads, std::uint32_t{1})),
+      lanes_(std::clamp(hello.threads, std::uint32_t{1}, kMaxLanes)),
       name_(fmt::format("{}, pid {}", wire::shown(hello.host), hello.pid)),
       tasks_(std::move(tasks)),
       blocks_(std::move(blocks)) {}
@@ -49,12 +51,17 @@ void RemoteWorker::hear(const wire::Hello& hello, const RunIdentity& run, InFlig
                              [&](const coppice_wire_ChainId& id) { return wire::from_wire(id) == run.chain; });
 }
 
+void RemoteWorker::look() {
+  tasks_matched_ = tasks_.matched();
+  blocks_matched_ = blocks_.matched();
+}
+
 void RemoteWorker::request_blocks(std::uint32_t first, std::uint32_t count) {
   requested_ = Blocks{first, std::min(count, wire::kBlockWindow)};
 }
 
 std::size_t RemoteWorker::send_blocks(std::span<const std::uint8_t> chain_bytes, const RunIdentity& run) {
-  if (!requested_ || !blocks_.matched()) {
+  if (!requested_ || !blocks_matched_) {
     return 0;
   }
   const Blocks blocks = *std::exchange(requested_, std::nullopt);
@@ -77,8 +84,8 @@ std::size_t RemoteWorker::send_blocks(std::span<const std::uint8_t> chain_bytes,
   return sent;
 }
 
-Result<void> RemoteWorker::send_task(const Batch& batch, std::span<const std::uint8_t> payload,
-                                     const RunIdentity& run, InFlight::Time now) {
+Result<void> RemoteWorker::send_task(const Batch& batch, std::span<const std::uint8_t> payload, const RunIdentity& run,
+                                     InFlight::Time now) {
   progressed_ = now;
   wire::Task task{};
   task.protocol = wire::kProtocolVersion;

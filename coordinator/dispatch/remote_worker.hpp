@@ -40,7 +40,9 @@ class RemoteWorker {
   // Since when its count of evaluated individuals stands still, or since it was last given something to do.
   InFlight::Time progressed() const { return progressed_; }
   // Holds the chain, serves this run, and can be written to.
-  bool ready() const { return holds_chain_ && tasks_.matched(); }
+  bool ready() const { return holds_chain_ && tasks_matched_; }
+  // Looks whether its readers are there; until then what woke the waiter goes on waking it.
+  void look();
   void lacks_chain() { holds_chain_ = false; }
 
   // Remembers which blocks it asked for; send_blocks() sends them once the worker can hear.
@@ -64,6 +66,8 @@ class RemoteWorker {
   std::string name_;
   wire::Writer<wire::Task> tasks_;
   wire::Writer<wire::ChainBlock> blocks_;
+  bool tasks_matched_ = false;
+  bool blocks_matched_ = false;
   bool holds_chain_ = false;
   struct Blocks {
     std::uint32_t first = 0;

