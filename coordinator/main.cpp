@@ -4,14 +4,17 @@
 #include <cerrno>
 #include <cstdio>
 #include <exception>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <iostream>
 #include <string>
 #include <system_error>
+#include <unistd.h>
 
 #include "common/stop.hpp"
 #include "common/version.hpp"
 #include "coordinator/commands/commands.hpp"
+#include "coordinator/report/best_effort.hpp"
 #include "coordinator/report/log.hpp"
 #include "coordinator/report/printable.hpp"
 
@@ -25,8 +28,34 @@ constexpr int kExitFailed = 1;
 constexpr int kExitWrongUse = 2;
 
 int complain(const std::string& message, int exit_code) {
-  fmt::print(stderr, "coppice: {}\n", coppice::printable(message));
+  coppice::show(stderr, fmt::format("coppice: {}\n", coppice::printable(message)));
   return exit_code;
+}
+
+// A closed standard descriptor would go to the next file that is opened, and then be read or printed to as if it were
+// the user's. So it becomes /dev/null: standard input ends at once, standard error is lost; standard output is opened
+// for reading, because results that cannot be printed are a failure.
+void fill_closed_descriptors() {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(descriptor, F_GETFD) < 0 && errno == EBADF) {
+      open("/dev/null", descriptor == STDERR_FILENO ? O_WRONLY : O_RDONLY);  // takes the lowest free descriptor
+    }
+  }
+}
+
+// A flag or argument that was given without a value, as --tree "$EMPTY" does, must not pass for one that was not given.
+Result<void> check_nothing_empty(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands()) {
+    for (const CLI::Option* option : command->get_options()) {
+      for (const std::string& value : option->results()) {
+        if (value.empty()) {
+          return coppice::bad_input(
+              fmt::format("{} is empty: expected {}", option->get_name(), option->get_type_name()));
+        }
+      }
+    }
+  }
+  return {};
 }
 
 // "coppice", or "coppice evolve" once the command line got that far.
@@ -79,6 +108,9 @@ int run(int argc, char** argv) {
     }
     return complain(fmt::format("{} (see {} --help)", error.what(), spoken_to(app)), kExitWrongUse);
   }
+  if (const Result<void> checked = check_nothing_empty(app); !checked) {
+    return complain(fmt::format("{} (see {} --help)", checked.error().message, spoken_to(app)), kExitWrongUse);
+  }
   coppice::log_to(stderr, spdlog::level::from_str(log_level));
   Result<void> done = invocation.chosen();
   if (done) {
@@ -94,6 +126,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  fill_closed_descriptors();
   try {
     return run(argc, argv);
   } catch (const std::exception& error) {

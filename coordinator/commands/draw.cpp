@@ -5,6 +5,7 @@
 
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/tree_option.hpp"
+#include "coordinator/report/whole_file.hpp"
 
 namespace coppice {
 namespace {
@@ -22,6 +23,9 @@ Result<void> draw_command(const Options& options) {
   const Result<Study> study = Study::open(options.study, Study::Access::read);
   if (!study) {
     return tl::unexpected(study.error());
+  }
+  if (const Result<void> other = check_other_file("-o", options.output, options.study); !other) {
+    return other;
   }
   const Result<Tree> tree = tree_of(options.tree, *study);
   if (!tree) {

@@ -22,7 +22,7 @@ struct Options {
   bool json = false;
 };
 
-Result<void> score_command(const Options& options) {
+Result<void> score_command(const Options& options, const StopFlag& stop) {
   const Result<Study> study = Study::open(options.study, Study::Access::read);
   if (!study) {
     return tl::unexpected(study.error());
@@ -38,7 +38,7 @@ Result<void> score_command(const Options& options) {
   const SimulateSettings settings{.episodes = options.episodes,
                                   .steps = options.steps ? *options.steps : learned_steps(*study),
                                   .seed = options.seed};
-  const Result<Score> score = score_tree(*world, study->chain(), *tree, settings);
+  const Result<Score> score = score_tree(*world, study->chain(), *tree, settings, [&] { return !stop.raised(); });
   if (!score) {
     return tl::unexpected(score.error());
   }
@@ -67,7 +67,9 @@ void add_score(CLI::App& app, Invocation& invocation) {
       "Examples:\n"
       "  coppice score uav.coppice\n"
       "  coppice score uav.coppice --tree '(selector (sequence s3=0 turn_left) move)' --episodes 5000");
-  command->callback([&invocation, options] { invocation.chosen = [options] { return score_command(*options); }; });
+  command->callback([&invocation, options] { 
+    invocation.chosen = [&invocation, options] { return score_command(*options, invocation.stop); };
+  });
 }
 
 }  // namespace coppice

@@ -22,6 +22,9 @@ Result<void> table_command(const Options& options) {
   if (!study) {
     return tl::unexpected(study.error());
   }
+  if (const Result<void> other = check_other_file("-o", options.output, options.study); !other) {
+    return other;
+  }
   const Result<Tree> tree = tree_of(options.tree, *study);
   if (!tree) {
     return tl::unexpected(tree.error());

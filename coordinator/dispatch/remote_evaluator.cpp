@@ -518,7 +518,7 @@ void RemoteEvaluator::hand_out(Clock::time_point now) {
       }
     }
   }
-  if (flight_.waiting() == 0) {
+  if (flight_.waiting() == 0 && !flight_.done()) {
     for (auto& [id, worker] : workers_) {
       if (!worker.ready()) {
         continue;

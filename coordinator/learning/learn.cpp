@@ -82,8 +82,11 @@ Result<void> check_settings(const LearnSettings& settings) {
   if (settings.episodes == 0 || settings.episodes > kMaxSteps) {
     return bad_input(fmt::format("--episodes is {}: expected 1 to {}", settings.episodes, kMaxSteps));
   }
-  if (settings.steps == 0 || settings.steps > kMaxSteps / settings.episodes) {
-    return bad_input(fmt::format("--steps is {}: expected 1 or more, and --episodes ({}) times --steps at most {}",
+  if (settings.steps == 0 || settings.steps > kMaxEpisodeSteps) {
+    return bad_input(fmt::format("--steps is {}: expected 1 to {}", settings.steps, kMaxEpisodeSteps));
+  }
+  if (settings.steps > kMaxSteps / settings.episodes) {
+    return bad_input(fmt::format("--steps is {}: expected --episodes ({}) times --steps to be at most {}",
                                  settings.steps, settings.episodes, kMaxSteps));
   }
   if (auto ok = check_share("--alpha", settings.alpha, false); !ok) {

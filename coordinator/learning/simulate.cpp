@@ -46,10 +46,14 @@ class Observations {
 // Controller: (code) -> the action that it takes, or kNoAction.
 template <typename Simulator, typename Controller>
 std::vector<EpisodeRecord> run_episodes(Simulator simulator, const Observations<Simulator>& observations,
-                                        const SimulateSettings& settings, const Controller& controller) {
+                                        const SimulateSettings& settings, const SimulateProgress& go_on,
+                                        const Controller& controller) {
   std::vector<EpisodeRecord> records;
   records.reserve(settings.episodes);
   for (std::uint64_t episode = 0; episode < settings.episodes; ++episode) {
+    if (go_on && !go_on()) {
+      break;
+    }
     Stream random(settings.seed, Purpose::simulating, static_cast<std::uint32_t>(episode >> 32U),
                   static_cast<std::uint32_t>(episode));
     EpisodeRecord record;
@@ -82,32 +86,33 @@ std::vector<EpisodeRecord> simulate_in(const Simulator& simulator, const Chain& 
   const Observations<Simulator> observations(chain);
   if (tree != nullptr) {
     COPPICE_CHECK(check_tree(*tree, chain.vocabulary()).has_value());
-    return run_episodes(simulator, observations, settings,
+    return run_episodes(simulator, observations, settings, go_on,
                         [&](std::uint32_t code) { return tick(*tree, observations.features(code)); });
   }
-  return run_episodes(simulator, observations, settings,
+  return run_episodes(simulator, observations, settings, go_on,
                       [&](std::uint32_t code) { return observations.policy(code).value_or(kActionWhenUnknown); });
 }
 
 std::vector<EpisodeRecord> simulate(const World& world, const Chain& chain, const Tree* tree,
-                                    const SimulateSettings& settings) {
+                                    const SimulateSettings& settings, const SimulateProgress& go_on) {
   if (world.kind == WorldKind::windy) {
-    return simulate_in(WindyGrid(), chain, tree, settings);
+    return simulate_in(WindyGrid(), chain, tree, settings, go_on);
   }
   const auto map = parse_room(world.room);
   COPPICE_CHECK(map.has_value());
-  return simulate_in(UavRoom(*map), chain, tree, settings);
+  return simulate_in(UavRoom(*map), chain, tree, settings, go_on);
 }
 
 }  // namespace
 
 std::vector<EpisodeRecord> simulate_tree(const World& world, const Chain& chain, const Tree& tree,
-                                         const SimulateSettings& settings) {
-  return simulate(world, chain, &tree, settings);
+                                         const SimulateSettings& settings, const SimulateProgress& go_on) {
+  return simulate(world, chain, &tree, settings, go_on);
 }
 
-std::vector<EpisodeRecord> simulate_policy(const World& world, const Chain& chain, const SimulateSettings& settings) {
-  return simulate(world, chain, nullptr, settings);
+std::vector<EpisodeRecord> simulate_policy(const World& world, const Chain& chain, const SimulateSettings& settings,
+                                           const SimulateProgress& go_on) {
+  return simulate(world, chain, nullptr, settings, go_on);
 }
 
 }  // namespace coppice

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "common/chain/chain.hpp"
@@ -17,6 +18,9 @@ struct SimulateSettings {
   std::uint64_t seed = 1;
 };
 
+// Asked between episodes; false to stop. May be empty.
+using SimulateProgress = std::function<bool()>;
+
 struct EpisodeRecord {
   double reward = 0.0;
   std::uint32_t steps = 0;    // taken; fewer than asked for when the episode ended at a goal
@@ -27,12 +31,13 @@ struct EpisodeRecord {
 
 // Runs the tree, ticked on the true observation each step; with no action the agent holds still for the step (no
 // reward). Every episode has its own stream of random numbers, f(seed, episode), so two controllers meet the same luck
-// as far as their walks agree. REQUIRES: chain's vocabulary is the world's, check_tree(tree, vocabulary).
+// as far as their walks agree. Fewer records than episodes: `go_on` said to stop. REQUIRES: chain's vocabulary is the world's, check_tree(tree, vocabulary).
 std::vector<EpisodeRecord> simulate_tree(const World& world, const Chain& chain, const Tree& tree,
-                                         const SimulateSettings& settings);
+                                         const SimulateSettings& settings, const SimulateProgress& go_on = {});
 
 // Runs the learned policy itself; in a state that the chain does not know it takes action 0 (what greedy on an
 // empty row of Q gives).
-std::vector<EpisodeRecord> simulate_policy(const World& world, const Chain& chain, const SimulateSettings& settings);
+std::vector<EpisodeRecord> simulate_policy(const World& world, const Chain& chain, const SimulateSettings& settings,
+                                           const SimulateProgress& go_on = {});
 
 }  // namespace coppice

@@ -3,12 +3,15 @@
 // and windy_grid.hpp; learn.hpp and simulate.hpp are what the rest of the coordinator calls.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "common/error.hpp"
 #include "common/tree/vocabulary.hpp"
 
 namespace coppice {
+
+inline constexpr std::uint32_t kMaxEpisodeSteps = 1'000'000;
 
 enum class WorldKind : std::uint8_t { uav = 0, windy = 1 };
 

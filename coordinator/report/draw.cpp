@@ -9,10 +9,12 @@
 #include <iterator>
 #include <signal.h>
 #include <spawn.h>
+#include <sstream>
 #include <stdlib.h>
 #include <string_view>
 #include <sys/mman.h>
 #include <sys/wait.h>
+#include <system_error>
 #include <unistd.h>
 #include <vector>
 
@@ -98,6 +100,10 @@ class MemoryFile {
   int descriptor_;
 };
 
+tl::unexpected<Error> no_dot() {
+  return failed("the program 'dot' of Graphviz is not on PATH: install graphviz, or write a .dot file");
+}
+
 Result<void> run_dot(const std::string& source, std::string_view format, const std::filesystem::path& path) {
   const MemoryFile input("coppice-dot-input");
   const MemoryFile messages("coppice-dot-messages");
@@ -128,7 +134,7 @@ Result<void> run_dot(const std::string& source, std::string_view format, const s
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
   if (error == ENOENT) {
-    return failed("the program 'dot' of Graphviz is not on PATH: install graphviz, or write a .dot file");
+    return no_dot();
   }
   if (error != 0) {
     return failed(fmt::format("cannot start 'dot': {}", std::strerror(error)));
@@ -187,6 +193,19 @@ Result<DrawingFormat> drawing_format(const std::filesystem::path& path) {
   }
   return bad_input(
       fmt::format("{}: drawing has extension '{}': expected .svg, .png or .dot", path.string(), extension));
+}
+
+Result<void> check_dot() {
+  const char* path = getenv("PATH");
+  std::istringstream folders(path != nullptr ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const std::filesystem::path program = std::filesystem::path(folder.empty() ? "." : folder) / "dot";
+    std::error_code error;
+    if (std::filesystem::is_regular_file(program, error) && access(program.c_str(), X_OK) == 0) {
+      return {};
+    }
+  }
+  return no_dot();
 }
 
 Result<void> write_drawing(const Tree& tree, const Vocabulary& vocabulary, const std::filesystem::path& path) {

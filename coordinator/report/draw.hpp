@@ -19,6 +19,9 @@ std::string to_dot(const Tree& tree, const Vocabulary& vocabulary);
 enum class DrawingFormat : std::uint8_t { dot, svg, png };
 Result<DrawingFormat> drawing_format(const std::filesystem::path& path);
 
+// Error: Graphviz' program `dot` is not on PATH.
+Result<void> check_dot();
+
 // Writes the drawing in the format of the path's extension; .svg and .png are drawn by Graphviz' program `dot`, found
 // on PATH. Errors: an extension that is none of the three (bad_input); `dot` is missing or fails; the file cannot
 // be written. The file appears whole or not at all. REQUIRES: check_tree(tree, vocabulary).

@@ -9,6 +9,7 @@
 #include <unistd.h>
 #include <utility>
 
+#include "coordinator/report/best_effort.hpp"
 #include "coordinator/report/printable.hpp"
 
 namespace coppice {
@@ -26,11 +27,11 @@ class StandardErrorSink : public spdlog::sinks::base_sink<std::mutex> {
   void sink_it_(const spdlog::details::log_msg& message) override {
     const LineBudget::Verdict verdict = budget_.next(message.time);
     if (verdict.left_out > 0) {
-      fmt::print(out_, "{}coppice: {} messages left out\n", clear_line_, verdict.left_out);
+      show(out_, fmt::format("{}coppice: {} messages left out\n", clear_line_, verdict.left_out));
     }
     if (verdict.shown) {
       const std::string_view text(message.payload.data(), message.payload.size());
-      fmt::print(out_, "{}coppice: {}\n", clear_line_, printable(text));
+      show(out_, fmt::format("{}coppice: {}\n", clear_line_, printable(text)));
     }
   }
   void flush_() override { std::fflush(out_); }

@@ -7,6 +7,7 @@
 #include <unistd.h>
 #include <utility>
 
+#include "coordinator/report/best_effort.hpp"
 #include "coordinator/report/printable.hpp"
 
 namespace coppice {
@@ -122,8 +123,7 @@ void Progress::update(std::uint64_t done, std::string_view extra, Clock::time_po
     std::string line = redrawn_line(at(done, shown, now), settings_.columns);
     // Blanks over what the last line had more; no escape sequence, so that any terminal will do.
     const std::size_t longer = drawn_.size() > line.size() ? drawn_.size() - line.size() : 0;
-    fmt::print(out_, "\r{}{}", line, std::string(longer, ' '));
-    std::fflush(out_);
+    show(out_, fmt::format("\r{}{}", line, std::string(longer, ' ')));
     drawn_ = std::move(line);
     shown_ = now;
     return;
@@ -132,8 +132,7 @@ void Progress::update(std::uint64_t done, std::string_view extra, Clock::time_po
   const bool passed_multiple = step > 0 && done / step > shown_done_ / step;
   const bool time_passed = settings_.plain_every.count() > 0 && since >= settings_.plain_every;
   if (passed_multiple || time_passed) {
-    fmt::print(out_, "{}\n", plain_line(at(done, printable(extra), now)));
-    std::fflush(out_);
+    show(out_, plain_line(at(done, printable(extra), now)) + "\n");
     shown_ = now;
     shown_done_ = done;
   }
@@ -141,22 +140,19 @@ void Progress::update(std::uint64_t done, std::string_view extra, Clock::time_po
 
 void Progress::finish(std::uint64_t done, std::string_view extra, Clock::time_point now) {
   clear();
-  fmt::print(out_, "{}\n", plain_line(at(done, printable(extra), now)));
-  std::fflush(out_);
+  show(out_, plain_line(at(done, printable(extra), now)) + "\n");
 }
 
 void Progress::say(std::string_view line) {
   const std::string below = drawn_;
   clear();
-  fmt::print(out_, "{}\n{}", printable(line), below);
+  show(out_, fmt::format("{}\n{}", printable(line), below));
   drawn_ = below;
-  std::fflush(out_);
 }
 
 void Progress::clear() {
   if (!drawn_.empty()) {
-    fmt::print(out_, "\r{}\r", std::string(drawn_.size(), ' '));
-    std::fflush(out_);
+    show(out_, fmt::format("\r{}\r", std::string(drawn_.size(), ' ')));
     drawn_.clear();
   }
 }

@@ -6,20 +6,23 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <utility>
 
 #include "common/check.hpp"
 #include "common/tree/action_table.hpp"
 #include "common/tree/simplify.hpp"
 #include "common/tree/state_columns.hpp"
 #include "common/tree/text.hpp"
+#include "coordinator/learning/default_room.hpp"
+#include "coordinator/report/counted.hpp"
 #include "coordinator/report/json_line.hpp"
 
 namespace coppice {
 namespace {
 
 constexpr double kNormal95 = 1.96;  // the 97.5 % quantile of the standard normal distribution
+constexpr std::uint64_t kFewestEpisodes = 2;  // one has no standard deviation
 constexpr std::uint64_t kMostEpisodes = 100'000'000;
-constexpr std::uint32_t kMostSteps = 1'000'000;
 
 std::size_t matching_states(const Chain& chain, const Tree& tree, const StateColumns& columns) {
   const std::vector<ActionId> table = action_table(tree, columns);
@@ -137,12 +140,21 @@ ControllerScore controller_score(const std::vector<EpisodeRecord>& episodes) {
   return score;
 }
 
-Result<Score> score_tree(const World& world, const Chain& chain, const Tree& tree, const SimulateSettings& settings) {
-  if (settings.episodes < 1 || settings.episodes > kMostEpisodes) {
-    return bad_input(fmt::format("--episodes is {}: expected 1 to {}", settings.episodes, kMostEpisodes));
+Result<void> check_score_settings(const SimulateSettings& settings, std::string_view episodes_flag) {
+  if (settings.episodes < kFewestEpisodes || settings.episodes > kMostEpisodes) {
+    return bad_input(fmt::format("{} is {}: expected {} to {}", episodes_flag, settings.episodes, kFewestEpisodes,
+                                 kMostEpisodes));
   }
-  if (settings.steps < 1 || settings.steps > kMostSteps) {
-    return bad_input(fmt::format("--steps is {}: expected 1 to {}", settings.steps, kMostSteps));
+  if (settings.steps < 1 || settings.steps > kMaxEpisodeSteps) {
+    return bad_input(fmt::format("--steps is {}: expected 1 to {}", settings.steps, kMaxEpisodeSteps));
+  }
+  return {};
+}
+
+Result<Score> score_tree(const World& world, const Chain& chain, const Tree& tree, const SimulateSettings& settings,
+                         const SimulateProgress& go_on) {
+  if (const Result<void> checked = check_score_settings(settings); !checked) {
+    return tl::unexpected(checked.error());
   }
   if (chain.vocabulary() != vocabulary_of(world)) {
     return bad_input("the chain's features and actions are not those of its world: nothing can be simulated");
@@ -153,6 +165,7 @@ Result<Score> score_tree(const World& world, const Chain& chain, const Tree& tre
 
   Score score;
   score.world = world.kind;
+  score.thesis_room = world.kind == WorldKind::uav && world.room == default_room();
   score.settings = settings;
   score.states = chain.states();
   score.entries = chain.states() * chain.actions();
@@ -161,12 +174,18 @@ Result<Score> score_tree(const World& world, const Chain& chain, const Tree& tre
   score.nodes_pruned = pruned.tree.size();
   score.tree_text = to_text(tree, vocabulary);
   score.pruned_text = to_text(pruned.tree, vocabulary);
-  score.policy = controller_score(simulate_policy(world, chain, settings));
-  score.policy.matching_states = chain.states();
-  score.tree = controller_score(simulate_tree(world, chain, tree, settings));
-  score.tree.matching_states = matching_states(chain, tree, columns);
-  score.pruned = controller_score(simulate_tree(world, chain, pruned.tree, settings));
-  score.pruned.matching_states = matching_states(chain, pruned.tree, columns);
+  const std::array<std::pair<ControllerScore*, const Tree*>, 3> controllers = {
+      {{&score.policy, nullptr}, {&score.tree, &tree}, {&score.pruned, &pruned.tree}}};
+  for (const auto& [controller, followed] : controllers) {
+    const std::vector<EpisodeRecord> episodes = followed == nullptr
+                                                    ? simulate_policy(world, chain, settings, go_on)
+                                                    : simulate_tree(world, chain, *followed, settings, go_on);
+    if (episodes.size() < settings.episodes) {
+      return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+    }
+    *controller = controller_score(episodes);
+    controller->matching_states = followed == nullptr ? chain.states() : matching_states(chain, *followed, columns);
+  }
   return score;
 }
 
@@ -190,8 +209,8 @@ std::string to_text(const Score& score) {
        {"100 %", "93 %", "96 %"}},
       {"reward per episode", ours([](const ControllerScore& c) { return number(c.reward); }), {"283", "248", "266"}},
       {"representation",
-       {fmt::format("{} entries", score.entries), fmt::format("{} nodes", score.nodes),
-        fmt::format("{} nodes", score.nodes_pruned)},
+       {fmt::format("{} entries", score.entries), counted(score.nodes, "node"),
+        counted(score.nodes_pruned, "node")},
        {"3123 entries", "6 nodes", "20 nodes"}},
       {"collisions", ours([](const ControllerScore& c) {
          return fmt::format("{} ({:.3f} an episode)", c.total_collisions, c.collisions.mean);
@@ -199,9 +218,10 @@ std::string to_text(const Score& score) {
       {"steps in unknown states",
        ours([](const ControllerScore& c) { return fmt::format("{} of {}", c.unknown_steps, c.steps); })},
   };
-  std::string text = fmt::format("Table IV: {} episodes of {} steps, seed {}, {} states; +- is a 95 % interval\n",
-                                 score.settings.episodes, score.settings.steps, score.settings.seed, score.states);
-  text += lines_of(rows, score.world == WorldKind::uav);
+  std::string text = fmt::format("Table IV: {} of {}, seed {}, {}; +- is a 95 % interval\n",
+                                 counted(score.settings.episodes, "episode"), counted(score.settings.steps, "step"),
+                                 score.settings.seed, counted(score.states, "state"));
+  text += lines_of(rows, score.thesis_room);
   text +=
       fmt::format("nodes: {} as evolved, {} after pruning that holds in every state, {} after pruning on the chain\n",
                   score.nodes, score.nodes_sound, score.nodes_pruned);

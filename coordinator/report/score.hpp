@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/chain/chain.hpp"
@@ -38,6 +39,7 @@ struct ControllerScore {
 
 struct Score {
   WorldKind world = WorldKind::uav;
+  bool thesis_room = false;  // the world is that of the thesis' figures
   SimulateSettings settings;
   std::size_t states = 0;
   std::size_t entries = 0;       // of the Q-table: states x actions
@@ -54,11 +56,15 @@ struct Score {
 // Sums up the episodes of one controller. REQUIRES: episodes not empty.
 ControllerScore controller_score(const std::vector<EpisodeRecord>& episodes);
 
-// Simulates the policy, the tree and the pruned tree. Errors: settings out of range (names the flag); the chain's
-// vocabulary is not the world's. REQUIRES: check_tree() for the chain's vocabulary.
-Result<Score> score_tree(const World& world, const Chain& chain, const Tree& tree, const SimulateSettings& settings);
+// Errors name the flag: fewer than two episodes, which give no interval, or too many; steps out of range.
+Result<void> check_score_settings(const SimulateSettings& settings, std::string_view episodes_flag = "--episodes");
 
-// Lines of text; beside ours the figures that the thesis prints, when the world is a room.
+// Simulates the policy, the tree and the pruned tree. Errors: as check_score_settings(); the chain's vocabulary is not
+// the world's; interrupted when `go_on` returned false. REQUIRES: check_tree() for the chain's vocabulary.
+Result<Score> score_tree(const World& world, const Chain& chain, const Tree& tree, const SimulateSettings& settings,
+                         const SimulateProgress& go_on = {});
+
+// Lines of text; beside ours the figures that the thesis prints, when the world is its room.
 std::string to_text(const Score& score);
 // One JSON object on one line.
 std::string to_json(const Score& score);
