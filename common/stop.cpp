@@ -1,16 +1,15 @@
 #include "common/stop.hpp"
 
+#include <array>
+#include <cerrno>
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
+#include <string_view>
 #include <sys/eventfd.h>
 #include <sys/signalfd.h>
-#include <unistd.h>
-
-#include <array>
-#include <cerrno>
-#include <string_view>
 #include <system_error>
+#include <unistd.h>
 #include <utility>
 
 namespace coppice {

@@ -2,7 +2,8 @@
 # Installs the Debian 12 packages that Coppice needs, those that are missing only.
 #   deploy/install-packages.sh           to build and run
 #   deploy/install-packages.sh tests     also to test
-#   deploy/install-packages.sh lint      also for clang-format, clang-tidy and fuzzing
+#   deploy/install-packages.sh format    also for clang-format
+#   deploy/install-packages.sh lint      also for clang-tidy and fuzzing
 set -euo pipefail
 
 packages=(g++ cmake ninja-build cyclonedds-dev cyclonedds-tools libcli11-dev
@@ -11,8 +12,9 @@ packages=(g++ cmake ninja-build cyclonedds-dev cyclonedds-tools libcli11-dev
 for group in "$@"; do
   case $group in
     tests) packages+=(libgtest-dev) ;;
-    lint) packages+=(clang-format clang-tidy-19 clang-19 libclang-rt-19-dev) ;;
-    *) echo "deploy/install-packages.sh: no group '$group': expected tests or lint" >&2; exit 2 ;;
+    format) packages+=(clang-format-14) ;;
+    lint) packages+=(clang-tidy-19 clang-19 libclang-rt-19-dev) ;;
+    *) echo "deploy/install-packages.sh: no group '$group': expected tests, format or lint" >&2; exit 2 ;;
   esac
 done
 

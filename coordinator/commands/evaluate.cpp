@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
 #include <memory>
@@ -44,6 +45,17 @@ Result<Question> question_of(const Options& options, const Chain& chain) {
     return in_context("--acting", acting.error());
   }
   config.rollout.acting = *acting;
+  const RolloutConfig& rollout = config.rollout;
+  if (rollout.rollouts < 1 || rollout.rollouts > kMaxRollouts) {
+    return bad_input(fmt::format("--rollouts is {}: expected 1 to {}", rollout.rollouts, kMaxRollouts));
+  }
+  if (rollout.steps < 1 || rollout.steps > kMaxSteps) {
+    return bad_input(fmt::format("--steps is {}: expected 1 to {}", rollout.steps, kMaxSteps));
+  }
+  if (std::uint64_t{rollout.rollouts} * rollout.steps > kMaxWalkedSteps) {
+    return bad_input(fmt::format("--rollouts is {} of {} steps each: expected at most {} steps in all",
+                                 rollout.rollouts, rollout.steps, kMaxWalkedSteps));
+  }
   if (!(config.rollout.policy_share >= 0.0 && config.rollout.policy_share <= 1.0)) {
     return bad_input(fmt::format("--policy-share is {}: expected 0 to 1", config.rollout.policy_share));
   }
@@ -158,6 +170,10 @@ Result<void> evaluate_command(const Options& options, const StopFlag& stop) {
   StandardInput standard_input(stop);
   std::filebuf file;
   const bool from_file = options.trees != "-";
+  std::error_code error;
+  if (from_file && std::filesystem::is_directory(options.trees, error)) {
+    return bad_input(fmt::format("--trees {}: is a directory: expected a file of trees, one a line", options.trees));
+  }
   if (from_file && file.open(options.trees, std::ios::in) == nullptr) {
     return bad_input(fmt::format("--trees: cannot read {}: {}", options.trees, std::generic_category().message(errno)));
   }

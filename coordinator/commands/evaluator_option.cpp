@@ -2,9 +2,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <filesystem>
 #include <fmt/format.h>
+#include <system_error>
 #include <thread>
+#include <unistd.h>
+#include <utility>
 
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/dispatch/local_workers.hpp"
@@ -16,12 +21,28 @@ constexpr std::size_t kMostLocalWorkers = LocalWorkers::kMaxWorkers;
 constexpr std::uint32_t kHighestDomain = 230;  // of DDS; above it the ports of RTPS run out
 constexpr std::uint32_t kLongestWait = 7 * 24 * 3600;
 
+// Found before the work that leads up to its start.
+Result<std::filesystem::path> worker_program(const EvaluatorOption& option) {
+  if (option.worker_program.empty()) {
+    return find_worker_program();
+  }
+  std::error_code error;
+  if (std::filesystem::is_directory(option.worker_program, error)) {
+    return failed(fmt::format("--worker-program {}: is a directory", option.worker_program));
+  }
+  if (access(option.worker_program.c_str(), X_OK) != 0) {
+    return failed(
+        fmt::format("--worker-program {}: {}", option.worker_program, std::generic_category().message(errno)));
+  }
+  return std::filesystem::path(option.worker_program);
+}
+
 }  // namespace
 
 void add_evaluator_option(CLI::App& command, EvaluatorOption& option) {
   CLI::Option* workers =
       command.add_option("--workers", option.workers, "Start N worker processes on this machine (default: one a core)");
-  workers->type_name("N")->check(whole_number());
+  workers->type_name("N")->check(whole_number(1, kMostLocalWorkers));
   CLI::Option* serial = command.add_flag("--serial", option.serial, "Evaluate in this process");
   CLI::Option* remote = command.add_flag("--remote", option.remote,
                                          "Use workers that were started by hand, here or on other hosts "
@@ -49,7 +70,6 @@ void add_evaluator_option(CLI::App& command, EvaluatorOption& option) {
 
 Result<EvaluatorChoice> evaluator_choice(const EvaluatorOption& option) {
   EvaluatorChoice choice;
-  choice.worker_program = option.worker_program;
   if (option.serial) {
     choice.kind = EvaluatorChoice::Kind::serial;
   } else if (option.remote) {
@@ -58,10 +78,11 @@ Result<EvaluatorChoice> evaluator_choice(const EvaluatorOption& option) {
     choice.kind = EvaluatorChoice::Kind::local;
     choice.workers =
         option.workers.value_or(std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, kMostLocalWorkers));
-    if (choice.workers < 1 || choice.workers > kMostLocalWorkers) {
-      return bad_input(
-          fmt::format("--workers is {}: expected 1 to {}, or --serial", choice.workers, kMostLocalWorkers));
+    Result<std::filesystem::path> program = worker_program(option);
+    if (!program) {
+      return tl::unexpected(std::move(program).error());
     }
+    choice.worker_program = std::move(*program);
   }
   if (option.interface) {
     choice.interface = *option.interface;

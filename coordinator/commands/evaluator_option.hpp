@@ -26,7 +26,7 @@ struct EvaluatorOption {
 
 void add_evaluator_option(CLI::App& command, EvaluatorOption& option);
 
-// What open_evaluator() takes. Errors name the flag.
+// What open_evaluator() takes. Errors name the flag; a worker program that cannot be started is among them.
 Result<EvaluatorChoice> evaluator_choice(const EvaluatorOption& option);
 
 // "serial", "2 local workers", "remote workers": kept with a run.

@@ -14,6 +14,7 @@
 #include "coordinator/commands/evaluator_option.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/evolution/evolve.hpp"
+#include "coordinator/report/counted.hpp"
 #include "coordinator/report/json_line.hpp"
 #include "coordinator/report/progress.hpp"
 
@@ -32,8 +33,8 @@ std::string count_text(double count) {
 std::string progress_text(const GenerationRecord& record, const DispatchStatistics& statistics, bool serial) {
   const double rate = record.seconds > 0.0 ? static_cast<double>(record.evaluations) / record.seconds : 0.0;
   std::string text =
-      fmt::format("best {:.3f}, mean {:.3f}, {} nodes (mean {:.0f}), {} evaluations/s", record.best.fitness,
-                  record.mean_fitness, record.best_nodes(), record.mean_nodes, count_text(rate));
+      fmt::format("best {:.3f}, mean {:.3f}, {} (mean {:.0f}), {} evaluations/s", record.best.fitness,
+                  record.mean_fitness, counted(record.best_nodes(), "node"), record.mean_nodes, count_text(rate));
   if (!serial) {
     text += fmt::format(", {} worker{}", statistics.workers_alive, statistics.workers_alive == 1 ? "" : "s");
   }
@@ -75,6 +76,15 @@ Result<StartedRun> start_run(Study& study, const EvolveTask& task) {
   return StartedRun{*id, task.config, std::nullopt};
 }
 
+// Where a configuration comes from that is wrong as a whole.
+std::string given_by(const EvolveOptions& options) {
+  if (options.settings.empty()) {
+    return options.config_file;
+  }
+  const std::string settings = fmt::format("--set {}", fmt::join(options.settings, " --set "));
+  return options.config_file.empty() ? settings : fmt::format("{} with {}", options.config_file, settings);
+}
+
 }  // namespace
 
 void add_evolve_options(CLI::App& command, EvolveOptions& options) {
@@ -106,7 +116,8 @@ Result<EvolveConfig> evolve_config(const EvolveOptions& options, std::optional<s
   }
   config.seed = seed.value_or(config.seed);
   if (const Result<void> checked = check_config(config, vocabulary); !checked) {
-    return tl::unexpected(checked.error());
+    const std::string place = given_by(options);
+    return place.empty() ? tl::unexpected(checked.error()) : in_context(place, checked.error());
   }
   return config;
 }
@@ -149,12 +160,15 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
     outcome.status = evolved.error().kind == ErrorKind::interrupted ? RunStatus::interrupted : RunStatus::failed;
     outcome.json = json_line(Json{{"error", evolved.error().message}});
     const Result<void> finished = study.finish_run(run, outcome);
-    return tl::unexpected(Error{
-        evolved.error().kind,
-        fmt::format("{}; {}", evolved.error().message, finished ? resume_hint(study) : finished.error().message)});
+    const std::string& why = evolved.error().message;
+    if (!finished && finished.error().message == why) {  // the study itself is what failed
+      return tl::unexpected(evolved.error());
+    }
+    return tl::unexpected(Error{evolved.error().kind,
+                                fmt::format("{}; {}", why, finished ? resume_hint(study) : finished.error().message)});
   }
   progress.finish(evolved->generations_done,
-                  fmt::format("best {:.4f}, {} nodes", evolved->best.fitness, evolved->best.tree.size()));
+                  fmt::format("best {:.4f}, {}", evolved->best.fitness, counted(evolved->best.tree.size(), "node")));
 
   const Vocabulary& vocabulary = chain->vocabulary();
   const Tree pruned = simplify(evolved->best.tree, vocabulary, StateColumns(vocabulary, chain->parts().features)).tree;
@@ -167,13 +181,14 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
   }
   const std::string tree_text = to_text(evolved->best.tree, vocabulary);
   const std::string pruned_text = to_text(pruned, vocabulary);
-  std::string text = fmt::format("run {}: {} generations, seed {}, {}, {:.1f} s\n", static_cast<std::int64_t>(run),
-                                 evolved->generations_done, started->config.seed, in_words(task.evaluator), seconds);
+  std::string text = fmt::format("run {}: {}, seed {}, {}, {:.1f} s\n", static_cast<std::int64_t>(run),
+                                 counted(evolved->generations_done, "generation"), started->config.seed,
+                                 in_words(task.evaluator), seconds);
   text += fmt::format(
       "fitness {:.4f}, agreement {:.1f} % of {}\n", evolved->best.fitness, 100.0 * evolved->best.agreement,
       evolved->interrupted ? std::string("its generation's steps") : fmt::format("{} steps", evolved->final_steps));
-  text += fmt::format("evolved, {} nodes:\n{}\n", evolved->best.tree.size(), tree_text);
-  text += fmt::format("pruned, {} nodes:\n{}\n", pruned.size(), pruned_text);
+  text += fmt::format("evolved, {}:\n{}\n", counted(evolved->best.tree.size(), "node"), tree_text);
+  text += fmt::format("pruned, {}:\n{}\n", counted(pruned.size(), "node"), pruned_text);
   Json json = {{"study", study.path()},
                {"run", static_cast<std::int64_t>(run)},
                {"status", name_of(status)},

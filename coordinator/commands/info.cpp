@@ -10,6 +10,7 @@
 
 #include "common/tree/text.hpp"
 #include "coordinator/commands/commands.hpp"
+#include "coordinator/report/counted.hpp"
 #include "coordinator/report/json_line.hpp"
 #include "coordinator/report/printable.hpp"
 #include "coordinator/study/study.hpp"
@@ -61,6 +62,47 @@ Json parsed(const std::string& text) {
   return json.is_discarded() ? Json(text) : json;
 }
 
+Json json_of(const std::vector<GenerationRecord>& generations) {
+  Json json = Json::array();
+  for (const GenerationRecord& record : generations) {
+    json.push_back({{"generation", record.generation},
+                    {"best_fitness", record.best.fitness},
+                    {"mean_fitness", record.mean_fitness},
+                    {"best_nodes", record.best_nodes()},
+                    {"mean_nodes", record.mean_nodes},
+                    {"best_agreement", record.best.agreement},
+                    {"mean_agreement", record.mean_agreement}});
+  }
+  return json;
+}
+
+// What a run's configuration changes of the thesis': "ga.population=200 fitness.coverage=0.5".
+std::string changes_text(const Json& configuration) {
+  const Json defaults = parsed(config_to_json(EvolveConfig{})).flatten();
+  std::string text;
+  const auto append = [&text](const std::string& key, const Json& value) {
+    text += fmt::format("{}{}={}", text.empty() ? "" : " ", key,
+                        value.is_string() ? value.get<std::string>() : json_line(value));
+  };
+  for (const auto& [section, object] : configuration.items()) {
+    if (!object.is_object()) {
+      if (section != "seed") {  // has a place of its own
+        append(section, object);
+      }
+      continue;
+    }
+    for (const auto& [key, value] : object.items()) {
+      const std::string pointer = fmt::format("/{}/{}", section, key);
+      const bool no_rules = value.is_array() && value.empty();  // flatten() makes null of it
+      const bool is_default = no_rules || (defaults.contains(pointer) && defaults[pointer] == value);
+      if (!is_default) {
+        append(fmt::format("{}.{}", section, key), value);
+      }
+    }
+  }
+  return text.empty() ? "as in the thesis" : text + ", else as in the thesis";
+}
+
 Json json_of(const RunRecord& run, const Vocabulary& vocabulary) {
   Json json = {{"run", static_cast<std::int64_t>(run.id)},
                {"status", name_of(run.status)},
@@ -83,7 +125,7 @@ Json json_of(const RunRecord& run, const Vocabulary& vocabulary) {
   return json;
 }
 
-Json json_of(const Study& study, const std::vector<RunRecord>& runs) {
+Result<Json> json_of(const Study& study, const std::vector<RunRecord>& runs) {
   const Chain& chain = study.chain();
   Json json = {{"study", study.path()},
                {"chain", study.chain_hash().hex()},
@@ -100,7 +142,12 @@ Json json_of(const Study& study, const std::vector<RunRecord>& runs) {
   json["learning"] = {{"settings", parsed(study.learning().settings)}, {"outcome", parsed(study.learning().outcome)}};
   json["runs"] = Json::array();
   for (const RunRecord& run : runs) {
+    const Result<std::vector<GenerationRecord>> generations = study.generations(run.id);
+    if (!generations) {
+      return tl::unexpected(generations.error());
+    }
     json["runs"].push_back(json_of(run, chain.vocabulary()));
+    json["runs"].back()["statistics"] = json_of(*generations);
   }
   return json;
 }
@@ -145,17 +192,18 @@ void print_text(const Json& json) {
     fmt::print("\n");
     print_line(
         fmt::format("run {}", run["run"].dump()),
-        fmt::format("{}{}, {}, seed {}, {} generations, started {}{}", run["status"].get<std::string>(),
+        fmt::format("{}{}, {}, seed {}, {}, started {}{}", run["status"].get<std::string>(),
                     run["resumable"].get<bool>() ? " (evolve --resume goes on)" : "",
-                    run["evaluator"].get<std::string>(), run["seed"].dump(), run["generations"].dump(),
-                    run["started"].get<std::string>(),
+                    run["evaluator"].get<std::string>(), run["seed"].dump(),
+                    counted(run["generations"].get<std::uint64_t>(), "generation"), run["started"].get<std::string>(),
                     run["ended"].get<std::string>().empty() ? "" : ", ended " + run["ended"].get<std::string>()));
-    print_line("  configuration", json_line(run["configuration"]));
+    print_line("  configuration", changes_text(run["configuration"]));
     print_line("  result", pairs_text(run["result"]));
     for (const char* tree : {"tree", "pruned"}) {
       if (run.contains(tree)) {
         const std::string nodes = std::string(tree) == "tree" ? "nodes" : "pruned_nodes";
-        print_line(fmt::format("  {}, {} nodes", tree, run[nodes].dump()), run[tree].get<std::string>());
+        print_line(fmt::format("  {}, {}", tree, counted(run[nodes].get<std::uint64_t>(), "node")),
+                   run[tree].get<std::string>());
       }
     }
   }
@@ -170,11 +218,14 @@ Result<void> info_command(const Options& options) {
   if (!runs) {
     return tl::unexpected(runs.error());
   }
-  const Json json = json_of(*study, *runs);
+  const Result<Json> json = json_of(*study, *runs);
+  if (!json) {
+    return tl::unexpected(json.error());
+  }
   if (options.json) {
-    fmt::print("{}\n", json_line(json));
+    fmt::print("{}\n", json_line(*json));
   } else {
-    print_text(json);
+    print_text(*json);
   }
   return {};
 }

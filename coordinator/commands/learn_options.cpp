@@ -2,14 +2,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <filesystem>
 #include <fmt/format.h>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <system_error>
 #include <utility>
 
 #include "coordinator/commands/whole_number.hpp"
+#include "coordinator/report/counted.hpp"
 #include "coordinator/report/json_line.hpp"
 #include "coordinator/report/progress.hpp"
 
@@ -41,11 +40,11 @@ nlohmann::ordered_json json_of(const Learned& learned) {
 
 std::string text_of(const LearnTask& task, const Learned& learned, const std::string& path) {
   const double steps = static_cast<double>(learned.steps);
-  std::string text =
-      fmt::format("{}: {} states, {} transitions\n", path, learned.chain.states(), learned.chain.transitions());
-  text += fmt::format("{} episodes of {} by {}, seed {}: {:.1f} s, {:.1f} ns a step\n", task.settings.episodes,
-                      task.world_name, name_of(task.settings.algorithm), task.settings.seed, learned.seconds,
-                      steps > 0.0 ? learned.seconds / steps * 1e9 : 0.0);
+  std::string text = fmt::format("{}: {}, {}\n", path, counted(learned.chain.states(), "state"),
+                                 counted(learned.chain.transitions(), "transition"));
+  text += fmt::format("{} of {} by {}, seed {}: {:.1f} s, {:.1f} ns a step\n",
+                      counted(task.settings.episodes, "episode"), task.world_name, name_of(task.settings.algorithm),
+                      task.settings.seed, learned.seconds, steps > 0.0 ? learned.seconds / steps * 1e9 : 0.0);
   text += fmt::format("reward per episode at the end: {:.1f}\n", learned.last_rewards);
   text += learned.collisions == 0 ? std::string("no collisions\n")
                                   : fmt::format("collisions: {}, the last in episode {}\n", learned.collisions,
@@ -80,7 +79,7 @@ Result<LearnTask> learn_task(const LearnOptions& options, std::uint64_t seed) {
   }
   const Result<Algorithm> algorithm = algorithm_named(options.algorithm);
   if (!algorithm) {
-    return in_context("--algorithm", algorithm.error());
+    return tl::unexpected(algorithm.error());
   }
   LearnSettings settings = default_settings(world->kind, *algorithm);
   settings.algorithm = *algorithm;
@@ -92,7 +91,7 @@ Result<LearnTask> learn_task(const LearnOptions& options, std::uint64_t seed) {
   if (options.decay) {
     const Result<Decay> decay = decay_named(*options.decay);
     if (!decay) {
-      return in_context("--decay", decay.error());
+      return tl::unexpected(decay.error());
     }
     settings.decay = *decay;
   }
@@ -104,13 +103,8 @@ Result<LearnTask> learn_task(const LearnOptions& options, std::uint64_t seed) {
 }
 
 Result<LearnReport> learn_study(const LearnTask& task, const std::string& path, const StopFlag& stop) {
-  std::error_code error;
-  if (std::filesystem::exists(std::filesystem::symlink_status(path, error))) {
-    return bad_input(fmt::format("{}: exists already: expected the name of a new study", path));
-  }
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder, error)) {
-    return bad_input(fmt::format("{}: the folder {} does not exist", path, folder.string()));
+  if (const Result<void> checked = Study::check_new(path); !checked) {
+    return tl::unexpected(checked.error());
   }
   ProgressSettings shown = progress_settings_for(stderr);
   shown.plain_every_done = std::max<std::uint64_t>(1, task.settings.episodes / kPlainLines);

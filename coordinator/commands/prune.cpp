@@ -8,6 +8,7 @@
 #include "common/tree/text.hpp"
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/tree_option.hpp"
+#include "coordinator/report/counted.hpp"
 #include "coordinator/report/json_line.hpp"
 
 namespace coppice {
@@ -50,8 +51,8 @@ Result<void> prune_command(const Options& options) {
   for (const Removal& removal : pruned.removals) {
     fmt::print("-{} {}: {}\n", removal.nodes, removal.what, removal.reason);
   }
-  fmt::print("{} nodes, pruned to {}, the same action in every state{}:\n{}\n", tree->size(), pruned.tree.size(),
-             options.sound ? "" : " of the chain", to_text(pruned.tree, vocabulary));
+  fmt::print("{}, pruned to {}, the same action in every state{}:\n{}\n", counted(tree->size(), "node"),
+             pruned.tree.size(), options.sound ? "" : " of the chain", to_text(pruned.tree, vocabulary));
   return {};
 }
 

@@ -85,6 +85,36 @@ Result<void> write_reports(const std::filesystem::path& folder, const EvolveRepo
   return write_drawings(evolved.pruned, vocabulary, folder / "pruned");
 }
 
+tl::unexpected<Error> interrupted(const std::string& hint) {
+  return tl::unexpected(Error{ErrorKind::interrupted, fmt::format("interrupted; {}", hint)});
+}
+
+// Everything after evolution; prints it, or, if `json` is an object, puts it there.
+Result<void> score_and_draw(const LearnTask& learning, const Study& study, const EvolveReport& evolved,
+                            const SimulateSettings& settings, const std::filesystem::path& folder, const StopFlag& stop,
+                            nlohmann::ordered_json& json) {
+  const Result<Score> score =
+      score_tree(learning.world, study.chain(), evolved.tree, settings, [&] { return !stop.raised(); });
+  if (!score) {
+    return score.error().kind == ErrorKind::interrupted
+               ? interrupted(fmt::format("the run is complete, score it with: coppice score {}", study.path()))
+               : tl::unexpected(score.error());
+  }
+  if (json.is_object()) {
+    json["score"] = nlohmann::ordered_json::parse(to_json(*score));
+  } else {
+    fmt::print("{}\n", to_text(*score));
+  }
+  if (const Result<void> written = write_reports(folder, evolved, *score, study.chain().vocabulary()); !written) {
+    return written;
+  }
+  if (!json.is_object()) {
+    fmt::print("drawings: {}, {}\nstudy: {}\n", (folder / "evolved.svg").string(), (folder / "pruned.svg").string(),
+               study.path());
+  }
+  return {};
+}
+
 Result<void> run_command(const Options& options, const StopFlag& stop) {
   // Everything that can be wrong with the flags is found before the folder exists.
   const Result<LearnTask> learning = learn_task(options.learning, options.seed.value_or(kDefaultSeed));
@@ -98,6 +128,15 @@ Result<void> run_command(const Options& options, const StopFlag& stop) {
   const Result<EvaluatorChoice> evaluator = evaluator_choice(options.evaluator);
   if (!evaluator) {
     return tl::unexpected(evaluator.error());
+  }
+  const SimulateSettings settings{.episodes = options.score_episodes,
+                                  .steps = learning->settings.steps,
+                                  .seed = options.seed.value_or(kDefaultSeed)};
+  if (const Result<void> checked = check_score_settings(settings, "--score-episodes"); !checked) {
+    return checked;
+  }
+  if (const Result<void> found = check_dot(); !found) {
+    return found;
   }
   const Result<std::filesystem::path> folder = new_folder(options.folder);
   if (!folder) {
@@ -124,33 +163,24 @@ Result<void> run_command(const Options& options, const StopFlag& stop) {
   if (!evolved) {
     return in_context(study_path, evolved.error());
   }
-  const SimulateSettings settings{.episodes = options.score_episodes,
-                                  .steps = learning->settings.steps,
-                                  .seed = options.seed.value_or(kDefaultSeed)};
-  const Result<Score> score = score_tree(learning->world, study.chain(), evolved->tree, settings);
-  if (!score) {
-    return tl::unexpected(score.error());
+  if (!options.json) {
+    fmt::print("{}\n", evolved->text);
+    std::fflush(stdout);
   }
-  const Result<void> reported = write_reports(*folder, *evolved, *score, study.chain().vocabulary());
+  nlohmann::ordered_json json;
   if (options.json) {
-    const auto parsed = [](const std::string& text) { return nlohmann::ordered_json::parse(text); };
-    const nlohmann::ordered_json json = {{"folder", folder->string()},
-                                         {"learn", parsed(learned->json)},
-                                         {"evolve", parsed(evolved->json)},
-                                         {"score", parsed(to_json(*score))}};
+    json = {{"folder", folder->string()},
+            {"learn", nlohmann::ordered_json::parse(learned->json)},
+            {"evolve", nlohmann::ordered_json::parse(evolved->json)},
+            {"score", nullptr}};
+  }
+  const Result<void> reported = evolved->interrupted
+                                    ? interrupted(resume_hint(study))
+                                    : score_and_draw(*learning, study, *evolved, settings, *folder, stop, json);
+  if (options.json) {
     fmt::print("{}\n", json_line(json));
-  } else {
-    fmt::print("{}\n{}\n", evolved->text, to_text(*score));
-    fmt::print("drawings: {}, {}\nstudy: {}\n", (*folder / "evolved.svg").string(), (*folder / "pruned.svg").string(),
-               study_path);
   }
-  if (!reported) {
-    return reported;
-  }
-  if (evolved->interrupted) {
-    return tl::unexpected(Error{ErrorKind::interrupted, fmt::format("interrupted; {}", resume_hint(study))});
-  }
-  return {};
+  return reported;
 }
 
 }  // namespace

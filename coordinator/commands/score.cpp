@@ -67,7 +67,7 @@ void add_score(CLI::App& app, Invocation& invocation) {
       "Examples:\n"
       "  coppice score uav.coppice\n"
       "  coppice score uav.coppice --tree '(selector (sequence s3=0 turn_left) move)' --episodes 5000");
-  command->callback([&invocation, options] { 
+  command->callback([&invocation, options] {
     invocation.chosen = [&invocation, options] { return score_command(*options, invocation.stop); };
   });
 }

@@ -23,6 +23,12 @@ std::string type_name(const toml::node& node) {
       return "a list";
     case toml::node_type::boolean:
       return *node.value_exact<bool>() ? "true" : "false";
+    case toml::node_type::integer:
+      return fmt::format("{}", *node.value_exact<std::int64_t>());
+    case toml::node_type::floating_point:
+      return fmt::format("{}", *node.value_exact<double>());
+    case toml::node_type::string:
+      return fmt::format("\"{}\"", *node.value_exact<std::string>());
     default:
       return "a date or time";
   }

@@ -82,7 +82,7 @@ std::vector<EpisodeRecord> run_episodes(Simulator simulator, const Observations<
 // tree: nullptr for the policy itself.
 template <typename Simulator>
 std::vector<EpisodeRecord> simulate_in(const Simulator& simulator, const Chain& chain, const Tree* tree,
-                                       const SimulateSettings& settings) {
+                                       const SimulateSettings& settings, const SimulateProgress& go_on) {
   const Observations<Simulator> observations(chain);
   if (tree != nullptr) {
     COPPICE_CHECK(check_tree(*tree, chain.vocabulary()).has_value());

@@ -31,7 +31,8 @@ struct EpisodeRecord {
 
 // Runs the tree, ticked on the true observation each step; with no action the agent holds still for the step (no
 // reward). Every episode has its own stream of random numbers, f(seed, episode), so two controllers meet the same luck
-// as far as their walks agree. Fewer records than episodes: `go_on` said to stop. REQUIRES: chain's vocabulary is the world's, check_tree(tree, vocabulary).
+// as far as their walks agree. Fewer records than episodes: `go_on` said to stop. REQUIRES: chain's vocabulary is the
+// world's, check_tree(tree, vocabulary).
 std::vector<EpisodeRecord> simulate_tree(const World& world, const Chain& chain, const Tree& tree,
                                          const SimulateSettings& settings, const SimulateProgress& go_on = {});
 

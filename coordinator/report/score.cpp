@@ -20,7 +20,7 @@
 namespace coppice {
 namespace {
 
-constexpr double kNormal95 = 1.96;  // the 97.5 % quantile of the standard normal distribution
+constexpr double kNormal95 = 1.96;            // the 97.5 % quantile of the standard normal distribution
 constexpr std::uint64_t kFewestEpisodes = 2;  // one has no standard deviation
 constexpr std::uint64_t kMostEpisodes = 100'000'000;
 
@@ -142,8 +142,8 @@ ControllerScore controller_score(const std::vector<EpisodeRecord>& episodes) {
 
 Result<void> check_score_settings(const SimulateSettings& settings, std::string_view episodes_flag) {
   if (settings.episodes < kFewestEpisodes || settings.episodes > kMostEpisodes) {
-    return bad_input(fmt::format("{} is {}: expected {} to {}", episodes_flag, settings.episodes, kFewestEpisodes,
-                                 kMostEpisodes));
+    return bad_input(
+        fmt::format("{} is {}: expected {} to {}", episodes_flag, settings.episodes, kFewestEpisodes, kMostEpisodes));
   }
   if (settings.steps < 1 || settings.steps > kMaxEpisodeSteps) {
     return bad_input(fmt::format("--steps is {}: expected 1 to {}", settings.steps, kMaxEpisodeSteps));
@@ -209,8 +209,7 @@ std::string to_text(const Score& score) {
        {"100 %", "93 %", "96 %"}},
       {"reward per episode", ours([](const ControllerScore& c) { return number(c.reward); }), {"283", "248", "266"}},
       {"representation",
-       {fmt::format("{} entries", score.entries), counted(score.nodes, "node"),
-        counted(score.nodes_pruned, "node")},
+       {fmt::format("{} entries", score.entries), counted(score.nodes, "node"), counted(score.nodes_pruned, "node")},
        {"3123 entries", "6 nodes", "20 nodes"}},
       {"collisions", ours([](const ControllerScore& c) {
          return fmt::format("{} ({:.3f} an episode)", c.total_collisions, c.collisions.mean);

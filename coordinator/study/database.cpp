@@ -80,6 +80,9 @@ Result<void> check_file(const std::string& path, bool write) {
   if (!S_ISREG(status.st_mode)) {
     return not_a_study(path, "not a file");
   }
+  if (status.st_size == 0) {
+    return not_a_study(path, "is empty");
+  }
   if (::access(path.c_str(), write ? R_OK | W_OK : R_OK) != 0) {
     return failed(fmt::format("{}: cannot be {}: {}", path, write ? "written" : "read", std::strerror(errno)));
   }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "coordinator/study/database.hpp"
@@ -17,6 +18,12 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kMaxChainBytes = 1'000'000'000;  // SQLite's default limit for one value
+
+// Zeros: there is none.
+FileId file_id(const std::string& path) {
+  struct stat status {};
+  return ::stat(path.c_str(), &status) == 0 ? FileId{status.st_dev, status.st_ino} : FileId{};
+}
 
 // A file under its temporary name; gone with this object unless it was published.
 class Draft {
@@ -48,6 +55,16 @@ class Draft {
     // So that the new name survives a power cut, too; where a folder cannot be synced, the file is whole all the same.
     const std::string folder = std::filesystem::path(target_).parent_path().string();
     sync(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);
+    return {};
+  }
+
+  // Makes the file, empty.
+  Result<void> try_out() const {
+    const int fd = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    if (fd < 0) {
+      return not_written(errno);
+    }
+    ::close(fd);
     return {};
   }
 
@@ -134,8 +151,16 @@ Result<Study> Study::create(const std::string& path, const Chain& chain, const S
   return open(path, Access::write);
 }
 
+Result<void> Study::check_new(const std::string& path) {
+  if (auto ok = check_target(path); !ok) {
+    return ok;
+  }
+  return Draft(path).try_out();
+}
+
 Result<Study> Study::open(const std::string& path, Access access) {
   return guarded(path, [&]() -> Result<Study> {
+    const FileId file = file_id(path);
     auto database = open_database(path, access == Access::write);
     if (!database) {
       return tl::unexpected(database.error());
@@ -160,9 +185,16 @@ Result<Study> Study::open(const std::string& path, Access access) {
     StudyWorld world{select.getColumn(2).getString(), select.getColumn(3).getString()};
     StudyLearning learning{select.getColumn(4).getString(), select.getColumn(5).getString()};
     select.reset();
-    return Study(std::unique_ptr<State>(
-        new State{path, access, std::move(*database), std::move(*chain), hash, std::move(world), std::move(learning)}));
+    return Study(std::unique_ptr<State>(new State{path, access, std::move(*database), std::move(*chain), hash,
+                                                  std::move(world), std::move(learning), file}));
   });
+}
+
+Result<void> Study::State::check_in_place() const {
+  if (file_id(path) != file) {
+    return failed(fmt::format("{}: the study was removed or replaced while it was in use", path));
+  }
+  return {};
 }
 
 Study::Study(std::unique_ptr<State> state) : state_(std::move(state)) {}

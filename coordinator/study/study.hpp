@@ -83,6 +83,10 @@ class Study {
   static Result<Study> create(const std::string& path, const Chain& chain, const StudyWorld& world,
                               const StudyLearning& learning);
 
+  // Whether create() could make this file: finds out by making one beside it, which is gone again on return. For those
+  // who work long before they create. Errors: as create().
+  static Result<void> check_new(const std::string& path);
+
   // Errors, each naming the file: it does not exist, is not an SQLite database, is one but not a study, was written
   // by a newer version, is damaged. With Access::read nothing is written, and the calls below that write fail.
   static Result<Study> open(const std::string& path, Access access = Access::write);
@@ -106,6 +110,7 @@ class Study {
 
   // One transaction: the statistics row and the checkpoint, which replaces the one before.
   // REQUIRES: the run is this process's, record.generation == checkpoint.generation.
+  // Error, also of finish_run(): the path leads to another file by now, or to none.
   Result<void> save_generation(RunId run, const GenerationRecord& record, const Checkpoint& checkpoint);
 
   Result<void> finish_run(RunId run, const RunOutcome& outcome);

@@ -281,7 +281,7 @@ Result<void> Study::save_generation(RunId run, const GenerationRecord& record, c
     replace.bind(4, hash_hex(population));
     replace.exec();
     transaction.commit();
-    return {};
+    return state_->check_in_place();
   });
 }
 
@@ -298,7 +298,7 @@ Result<void> Study::finish_run(RunId run, const RunOutcome& outcome) {
     update.bind(4, outcome.json);
     update.bind(5, number(run));
     COPPICE_CHECK(update.exec() == 1);
-    return {};
+    return state_->check_in_place();
   });
 }
 

@@ -1,10 +1,9 @@
-// The arrows between the folders, held against every #include: who may know whom. A folder that is not listed, or an include that
-// breaks an arrow, fails the test.
-#include <gtest/gtest.h>
-
+// The arrows between the folders, held against every #include: who may know whom. A folder that is not listed, or an
+// include that breaks an arrow, fails the test.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <gtest/gtest.h>
 #include <map>
 #include <regex>
 #include <set>

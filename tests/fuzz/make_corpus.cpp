@@ -243,7 +243,7 @@ void write_chains(Folder& folder) {
                }));
   folder.write("most_visits", changed(chain, [](ChainParts& parts) {
                  parts.visits.assign(parts.visits.size(), 0);
-                 parts.visits.back() = std::numeric_limits<std::int64_t>::max();
+                 parts.visits.back() = (std::uint64_t{1} << 62U) - 1;
                }));
   Bytes visits = good;  // they are its last part; their sum is a signed score
   std::fill(visits.end() - static_cast<std::ptrdiff_t>(8 * chain.states()), visits.end(), std::uint8_t{0x7F});

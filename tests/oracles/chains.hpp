@@ -9,8 +9,8 @@
 
 namespace coppice::oracles {
 
-// Knuth and Yao's die from a fair coin (1976): states 0..6 are coin flips, 7..12 the faces 1..6, which stay. One action, "flip".
-// Every face has probability 1/6; the expected number of flips is 11/3. Reward 1 a flip, 0 in a face.
+// Knuth and Yao's die from a fair coin (1976): states 0..6 are coin flips, 7..12 the faces 1..6, which stay. One
+// action, "flip". Every face has probability 1/6; the expected number of flips is 11/3. Reward 1 a flip, 0 in a face.
 Chain knuth_die();
 
 // The gambler's ruin with fortune 0..goal, start at `fortune`, winning with probability wins / (wins + losses) a

@@ -1,8 +1,7 @@
 #include "common/chain/alias_rows.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+#include <gtest/gtest.h>
 #include <map>
 
 #include "tests/oracles/chains.hpp"
@@ -66,7 +65,8 @@ TEST(AliasRows, SampleWithTheFrequenciesOfTheCounts) {
     const auto successors = chain.successors(row);
     double chi_square = 0.0;
     for (std::size_t i = 0; i < successors.size(); ++i) {
-      const double expected = kDraws * static_cast<double>(chain.counts(row)[i]) / static_cast<double>(chain.tries(row));
+      const double expected =
+          kDraws * static_cast<double>(chain.counts(row)[i]) / static_cast<double>(chain.tries(row));
       chi_square += (seen[successors[i]] - expected) * (seen[successors[i]] - expected) / expected;
     }
     const double degrees = static_cast<double>(successors.size()) - 1;

@@ -1,8 +1,7 @@
 #include "common/chain/chain.hpp"
 
-#include <gtest/gtest.h>
-
 #include <array>
+#include <gtest/gtest.h>
 #include <limits>
 #include <map>
 

@@ -1,9 +1,8 @@
 // evaluate() against a walk written as plainly as can be, and against chains whose answers are known.
 #include "common/fitness/evaluation.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+#include <gtest/gtest.h>
 
 #include "common/tree/tick.hpp"
 #include "tests/oracles/chains.hpp"
@@ -28,12 +27,9 @@ std::vector<Objective> all_objectives(const Vocabulary& vocabulary) {
   const ShapedRule trash{{Node::condition(0, Op::equal, 3), Node::condition(1, Op::equal, 3)}, 8, -4};
   const ShapedRule wall{{Node::condition(5, Op::less_equal, 1)}, 1, -2};
   EXPECT_GE(vocabulary.features.size(), 6U);
-  return {{ObjectiveKind::agreement, {}},
-          {ObjectiveKind::q_value, {}},
-          {ObjectiveKind::shaped, {trash, wall, {{}, 1, 0}}},
-          {ObjectiveKind::coverage, {}},
-          {ObjectiveKind::visits, {}},
-          {ObjectiveKind::expected_return, {}}};
+  return {
+      {ObjectiveKind::agreement, {}}, {ObjectiveKind::q_value, {}}, {ObjectiveKind::shaped, {trash, wall, {{}, 1, 0}}},
+      {ObjectiveKind::coverage, {}},  {ObjectiveKind::visits, {}},  {ObjectiveKind::expected_return, {}}};
 }
 
 // The reference: tick at every step, search the row of successors linearly, one walk at a time.
@@ -61,10 +57,9 @@ Tally plain_evaluation(const Chain& chain, const Job& job, const std::vector<Obj
       tally.matches += action == chain.policy(state) ? 1 : 0;
       ++tally.steps;
       score(state, action, true);
-      const bool policy_acts =
-          job.acting == Acting::policy ||
-          (job.acting == Acting::mixed &&
-           draw({job.seed, Purpose::mixing, job.generation, rollout, step}) < job.policy_share);
+      const bool policy_acts = job.acting == Acting::policy ||
+                               (job.acting == Acting::mixed &&
+                                draw({job.seed, Purpose::mixing, job.generation, rollout, step}) < job.policy_share);
       const ActionId acting = policy_acts ? chain.policy(state) : action;
       const std::size_t column = acting == kNoAction ? chain.actions() : index_of(acting);
       state = alias->sample(state, column, draw({job.seed, Purpose::rollout, job.generation, rollout, step}),
@@ -117,8 +112,8 @@ TEST(Evaluation, IsTheSameForTreesThatMeanTheSame) {
   const auto prepared = prepare(oracles::random_chain({.states = 200, .seed = 6}));
   Job job;
   const Tree move(ActionId{1});
-  const auto wrapped = Tree::from_nodes({Node::composite(NodeKind::selector, 3), Node::composite(NodeKind::sequence, 2),
-                                         Node::action(ActionId{1})});
+  const auto wrapped = Tree::from_nodes(
+      {Node::composite(NodeKind::selector, 3), Node::composite(NodeKind::sequence, 2), Node::action(ActionId{1})});
   ASSERT_TRUE(wrapped.has_value());
   EXPECT_EQ(evaluate(prepared, job, move).matches, evaluate(prepared, job, *wrapped).matches);
 }
@@ -129,7 +124,8 @@ TEST(Evaluation, WithoutAnActionHoldsTheStateAndNeverAgrees) {
   const Node also = Node::condition(0, Op::equal, 1);
   const auto tree = Tree::from_nodes({Node::composite(NodeKind::sequence, 4), never, also, Node::action(ActionId{0})});
   Job job;
-  job.objectives = {{ObjectiveKind::agreement, {}}, {ObjectiveKind::expected_return, {}}, {ObjectiveKind::coverage, {}}};
+  job.objectives = {
+      {ObjectiveKind::agreement, {}}, {ObjectiveKind::expected_return, {}}, {ObjectiveKind::coverage, {}}};
   const Tally tally = evaluate(prepared, job, *tree);
   EXPECT_EQ(tally.matches, 0U);
   EXPECT_EQ(tally.scores, (std::vector<std::int64_t>{0, 0, 0}));
@@ -179,8 +175,8 @@ TEST(ClosedForm, TheGamblerIsRuinedAsOftenAsTheFormulaSays) {
     job.rollouts = 12'000;
     job.steps = 1000;  // P(still playing) is below 1e-9
     const Tally tally = evaluate(prepared, job, Tree(ActionId{0}));
-    // The recorded reward is the row's mean: wins / (wins + losses) in the state next to the goal, on every bet there, which
-    // in expectation is 1 for every arrival.
+    // The recorded reward is the row's mean: wins / (wins + losses) in the state next to the goal, on every bet there,
+    // which in expectation is 1 for every arrival.
     const double r = static_cast<double>(losses) / wins;
     const double expected = (1 - std::pow(r, gambler.fortune)) / (1 - std::pow(r, gambler.goal));
     const double mean = static_cast<double>(tally.scores[0]) / kScoreOne / job.rollouts;

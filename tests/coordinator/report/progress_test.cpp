@@ -113,5 +113,17 @@ TEST(Progress, ExtraTextIsMadePrintable) {
   EXPECT_EQ(output.text(), "e: 1, \\x1b[2J\n");
 }
 
+TEST(Progress, GoesOnWhereNothingCanBeShown) {
+  std::FILE* full = std::fopen("/dev/full", "w");
+  ASSERT_NE(full, nullptr);
+  {
+    Progress progress(full, {.redraw = true}, "learn", "episodes", 2);
+    progress.update(1);
+    progress.say("a line");
+    progress.finish(2);
+  }
+  std::fclose(full);
+}
+
 }  // namespace
 }  // namespace coppice

@@ -82,7 +82,7 @@ TEST_F(WindyScore, CountsWhatTheWalkByHandGives) {
 
 TEST_F(WindyScore, NodesAreCountedBeforeAndAfterBothPrunings) {
   // y=3 holds in every state of the chain, but not in every state of the grid.
-  const Score result = score("(sequence (selector (sequence y=3 right) up))", {.episodes = 1, .steps = 1, .seed = 1});
+  const Score result = score("(sequence (selector (sequence y=3 right) up))", {.episodes = 2, .steps = 1, .seed = 1});
   EXPECT_EQ(result.nodes, 6U);
   EXPECT_EQ(result.nodes_sound, 5U);
   EXPECT_EQ(result.nodes_pruned, 1U);
@@ -109,17 +109,26 @@ TEST_F(WindyScore, TextHasColumnsThatNeverTouch) {
   EXPECT_NE(text.find("12 entries"), std::string::npos) << text;
   EXPECT_EQ(text.find("3123"), std::string::npos) << text;
   Score room = result;
-  room.world = WorldKind::uav;
+  room.thesis_room = true;
   EXPECT_NE(to_text(room).find("| 3123 entries  6 nodes  20 nodes"), std::string::npos) << to_text(room);
+}
+
+TEST_F(WindyScore, StopsBetweenEpisodes) {
+  int asked = 0;
+  const auto stopped = score_tree(world_, chain_, Tree(ActionId{0}), {.episodes = 50, .steps = 4, .seed = 1},
+                                  [&] { return ++asked < 60; });
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().kind, ErrorKind::interrupted);
+  EXPECT_EQ(asked, 60);
 }
 
 TEST_F(WindyScore, SettingsOutOfRangeAndAForeignWorldAreBadInput) {
   const Tree tree(ActionId{0});
-  const auto none = score_tree(world_, chain_, tree, {.episodes = 0, .steps = 4, .seed = 1});
+  const auto none = score_tree(world_, chain_, tree, {.episodes = 1, .steps = 4, .seed = 1});  // gives no interval
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().kind, ErrorKind::bad_input);
   EXPECT_NE(none.error().message.find("--episodes"), std::string::npos);
-  const auto long_walk = score_tree(world_, chain_, tree, {.episodes = 1, .steps = 1'000'001, .seed = 1});
+  const auto long_walk = score_tree(world_, chain_, tree, {.episodes = 2, .steps = 1'000'001, .seed = 1});
   ASSERT_FALSE(long_walk);
   EXPECT_NE(long_walk.error().message.find("--steps"), std::string::npos);
   const auto room = load_world("uav");

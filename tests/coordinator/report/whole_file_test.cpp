@@ -52,6 +52,37 @@ TEST_F(WholeFile, AFailureHalfwayLeavesTheOldContentAndNothingElse) {
   EXPECT_EQ(files(), 1U);
 }
 
+TEST_F(WholeFile, ALinkStaysAndItsTargetKeepsItsMode) {
+  ASSERT_TRUE(write_whole_file(folder_ / "a.txt", "one"));
+  fs::permissions(folder_ / "a.txt", fs::perms::owner_read | fs::perms::owner_write);
+  fs::create_symlink("a.txt", folder_ / "link.txt");
+  ASSERT_TRUE(write_whole_file(folder_ / "link.txt", "two"));
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link.txt"));
+  EXPECT_EQ(content("a.txt"), "two");
+  EXPECT_EQ(fs::status(folder_ / "a.txt").permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  fs::create_symlink("later.txt", folder_ / "dangling.txt");
+  ASSERT_TRUE(write_whole_file(folder_ / "dangling.txt", "three"));
+  EXPECT_EQ(content("later.txt"), "three");
+}
+
+TEST_F(WholeFile, WhatIsNoRegularFileIsNotReplaced) {
+  fs::create_symlink("/dev/full", folder_ / "full");
+  const auto written = write_whole_file(folder_ / "full", "text");
+  ASSERT_FALSE(written);
+  EXPECT_TRUE(fs::is_character_file(folder_ / "full"));
+  EXPECT_FALSE(write_whole_file(folder_, "text"));
+  EXPECT_EQ(files(), 1U);
+}
+
+TEST_F(WholeFile, TheInputIsRecognisedByAnyName) {
+  ASSERT_TRUE(write_whole_file(folder_ / "a.txt", "one"));
+  fs::create_hard_link(folder_ / "a.txt", folder_ / "b.txt");
+  const auto same = check_other_file("-o", folder_ / "b.txt", folder_ / "a.txt");
+  ASSERT_FALSE(same);
+  EXPECT_EQ(same.error().kind, ErrorKind::bad_input);
+  EXPECT_TRUE(check_other_file("-o", folder_ / "new.txt", folder_ / "a.txt"));
+}
+
 TEST_F(WholeFile, AFolderThatIsMissingIsNamed) {
   const auto written = write_whole_file(folder_ / "nowhere" / "a.txt", "text");
   ASSERT_FALSE(written);

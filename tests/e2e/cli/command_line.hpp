@@ -30,6 +30,13 @@ class CommandLine : public ::testing::Test {
   Completed coppice(std::vector<std::string> arguments, std::string_view input = {}) const {
     return run_to_end(command(std::move(arguments)), input);
   }
+  // `line` for /bin/sh, in which "$0" is the program.
+  Completed shell(const std::string& line) const {
+    return run_to_end({.program = "/bin/sh",
+                       .arguments = {"-c", line, COPPICE_PROGRAM},
+                       .folder = folder_.path(),
+                       .environment = {}});
+  }
   nlohmann::json coppice_json(std::vector<std::string> arguments) const {
     const Completed completed = coppice(std::move(arguments));
     EXPECT_EQ(completed.ending, kDone) << completed.error;

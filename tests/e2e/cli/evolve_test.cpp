@@ -81,6 +81,15 @@ TEST_F(Evolve, AWorkerProgramThatIsMissingIsAFailure) {
   EXPECT_TRUE(coppice_json({"info", "study.coppice", "--json"})["runs"].empty());
 }
 
+TEST_F(Evolve, AStudyThatIsRemovedMeanwhileIsAFailure) {
+  Process process(command({"evolve", "study.coppice", "--serial", "--set", "ga.generations=100000", "--set",
+                           "ga.population=20", "--lines-every", "1"}));
+  process.await_error("evolve: 2/100000 generations");
+  std::filesystem::remove(path("study.coppice"));
+  EXPECT_EQ(process.wait(), kFailed);
+  EXPECT_NE(process.rest_of_error().find("removed or replaced"), std::string::npos);
+}
+
 TEST_F(Evolve, AnInterruptionKeepsTheBestSoFarAndResumeGoesOn) {
   const std::vector<std::string> endless = {
       "evolve", "study.coppice",    "--serial",      "--set", "ga.generations=100000",

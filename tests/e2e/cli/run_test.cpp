@@ -64,7 +64,8 @@ TEST_F(Run, NamesItsFolderByTheTime) {
 TEST_F(Run, WrongFlagsLeaveNoFolder) {
   expect_wrong_use(small({"-o", "first", "--alpha", "-1"}), {"--alpha"});
   expect_wrong_use(small({"-o", "first", "--set", "ga.x=1"}), {"--set", "ga.x=1"});
-  expect_wrong_use({"run", "-o", "first", "--workers", "0"}, {"--workers"});
+  expect_wrong_use({"run", "-o", "first", "--workers", "0"}, {"--workers", "1 to 1024"});
+  expect_wrong_use({"run", "-o", "first", "--serial", "--score-episodes", "0"}, {"--score-episodes"});
   EXPECT_TRUE(files().empty());
 }
 

@@ -1,5 +1,6 @@
 // score, table, prune, draw and info: the commands that look at a tree and a study.
 #include <fstream>
+#include <signal.h>
 #include <sys/stat.h>
 
 #include "tests/e2e/cli/command_line.hpp"
@@ -59,6 +60,33 @@ TEST_F(TreeCommands, OutputThatCannotBeWrittenIsAFailure) {
   const Completed completed = run_to_end(shell);
   EXPECT_EQ(completed.ending, kFailed);
   EXPECT_NE(completed.error.find("standard output"), std::string::npos) << completed.error;
+}
+
+TEST_F(TreeCommands, StandardErrorThatCannotBeWrittenChangesNothing) {
+  EXPECT_EQ(shell("\"$0\" evolve study.coppice --serial --set ga.generations=2 --lines-every 1 2>/dev/full").ending,
+            kDone);
+  EXPECT_EQ(shell("\"$0\" learn -o b.coppice --episodes 100 2>&-").ending, kDone);
+  EXPECT_EQ(shell("\"$0\" info nofile 2>/dev/full").ending, kWrongUse);
+}
+
+TEST_F(TreeCommands, ClosedStandardInputIsAnEmptyOne) {
+  EXPECT_EQ(shell("\"$0\" evaluate study.coppice --serial <&-").ending, kDone);
+}
+
+TEST_F(TreeCommands, TheStudyIsNoOutput) {
+  const std::string before = read("study.coppice");
+  std::filesystem::create_hard_link(path("study.coppice"), path("other.dot"));
+  expect_wrong_use({"table", "study.coppice", "--tree", "move", "-o", "study.coppice"}, {"study.coppice"});
+  expect_wrong_use({"draw", "study.coppice", "--tree", "move", "-o", "other.dot"}, {"other.dot"});
+  EXPECT_EQ(read("study.coppice"), before);
+}
+
+TEST_F(TreeCommands, AnInterruptionEndsScoring) {
+  Process process(command({"score", "study.coppice", "--tree", "move", "--episodes", "100000000"}));
+  process.await_blocked(SIGTERM);
+  process.signal(SIGTERM);
+  EXPECT_EQ(process.wait(), kFailed);
+  EXPECT_NE(process.rest_of_error().find("interrupted"), std::string::npos);
 }
 
 TEST_F(TreeCommands, PruneGivesAReasonForEveryNodeThatWent) {

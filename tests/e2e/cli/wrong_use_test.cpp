@@ -33,6 +33,13 @@ TEST_F(WrongUse, AMissingOrUnknownCommandOrFlagIsNamed) {
   expect_wrong_use({"--log-level", "loud", "info", "x"}, {"loud"});
 }
 
+TEST_F(WrongUse, AFlagWithoutItsValueIsNotTakenForNone) {
+  expect_wrong_use({"score", "x", "--tree", ""}, {"--tree is empty"});
+  expect_wrong_use({"evolve", "x", "--config", ""}, {"--config is empty"});
+  expect_wrong_use({"run", "-o", ""}, {"--output is empty"});
+  expect_wrong_use({"learn", "-o", ""}, {"--output is empty"});
+}
+
 TEST_F(WrongUse, FlagsThatContradictEachOtherAreRefused) {
   expect_wrong_use({"evolve", "x", "--serial", "--workers", "2"}, {"--serial", "--workers"});
   expect_wrong_use({"evolve", "x", "--serial", "--remote"}, {"--serial", "--remote"});
