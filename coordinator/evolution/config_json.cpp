@@ -61,7 +61,11 @@ Result<RuleConfig> rule_of(const Json& json) {
   if (auto ok = assign_all(json, "fitness.rule", keys_of(rule)); !ok) {
     return tl::unexpected(ok.error());
   }
-  for (const Json& condition : json.value(std::string(kAnyOfKey), Json::array())) {
+  const Json conditions = json.value(std::string(kAnyOfKey), Json::array());
+  if (!conditions.is_array()) {
+    return bad_input("fitness.rule.any_of: expected a list of strings");
+  }
+  for (const Json& condition : conditions) {
     if (!condition.is_string()) {
       return bad_input("fitness.rule.any_of: expected a list of strings");
     }
@@ -113,6 +117,9 @@ Result<EvolveConfig> config_from_json(std::string_view text) {
     const auto rules = section.find(std::string(kRuleKey));
     if (name != "fitness" || rules == section.end()) {
       continue;
+    }
+    if (!rules->is_array()) {
+      return bad_input("fitness.rule: expected a list of objects");
     }
     for (const Json& json : *rules) {
       auto rule = rule_of(json);

@@ -93,7 +93,7 @@ class TomlReader {
 
   Result<void> read_rules(const toml::node& node) {
     const toml::array* array = node.as_array();
-    if (array == nullptr || !array->is_homogeneous(toml::node_type::table)) {
+    if (array == nullptr || (!array->empty() && !array->is_homogeneous(toml::node_type::table))) {
       return at(node.source(), {ErrorKind::bad_input, "fitness.rule: expected tables [[fitness.rule]]"});
     }
     config_.fitness.rules.clear();

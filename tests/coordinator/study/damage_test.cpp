@@ -36,7 +36,7 @@ TEST_F(DamageTest, AFileThatIsNoStudyIsNamed) {
   refused("not a file");
   std::filesystem::remove(path_);
   overwrite("");
-  refused("an SQLite database of some other program");
+  refused("is empty");
   overwrite("####\n#^.#\n####\n");
   refused("not an SQLite database");
   overwrite(std::string(100'000, 'x'));
