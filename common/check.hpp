@@ -8,7 +8,7 @@
 namespace coppice::detail {
 
 [[noreturn]] inline void check_failed(const char* condition, const char* file, int line) {
-  std::fprintf(stderr, "coppice: internal error: %s does not hold (%s:%d)\n", condition, file, line);
+  static_cast<void>(std::fprintf(stderr, "coppice: internal error: %s does not hold (%s:%d)\n", condition, file, line));
   std::abort();
 }
 
