@@ -1,6 +1,8 @@
 #include "worker/lane.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <spdlog/spdlog.h>
 
 namespace coppice {
@@ -96,12 +98,15 @@ Lane::Outcome Lane::evaluate(const wire::Task& task) {
   }
   std::vector<Tally> tallies;
   tallies.reserve(decoded->trees.size());
-  for (const Tree& tree : decoded->trees) {
+  const std::span<const Tree> trees = decoded->trees;
+  while (tallies.size() < trees.size()) {
     if (state_.leaving) {
       return {coppice_wire_GIVEN_BACK, {}};
     }
-    tallies.push_back(evaluation_->evaluate(tree));
-    state_.evaluated.fetch_add(1, std::memory_order_relaxed);
+    const std::size_t count = std::min<std::size_t>(evaluation_->trees_per_pass(), trees.size() - tallies.size());
+    auto some = evaluation_->evaluate(trees.subspan(tallies.size(), count));
+    std::move(some.begin(), some.end(), std::back_inserter(tallies));
+    state_.evaluated.fetch_add(count, std::memory_order_relaxed);
   }
   auto payload = wire::encode_tallies(tallies);
   if (payload.size() > wire::kMaxTaskPayload) {

@@ -1,74 +1,59 @@
 #include "common/chain/alias_rows.hpp"
 
-#include <algorithm>
-#include <fmt/format.h>
+#include "common/check.hpp"
 
 namespace coppice {
 namespace {
 
-// Appends the bins of one row. `scaled[i]` is n_i k; a bin holds N units.
-void append_bins(std::span<const std::uint32_t> successors, std::span<const std::uint32_t> counts, std::uint64_t units,
-                 std::vector<AliasEntry>& entries) {
-  const std::size_t bins = successors.size();
-  const std::size_t begin = entries.size();
-  std::vector<std::uint64_t> scaled(bins);
-  std::vector<std::uint32_t> small;
-  std::vector<std::uint32_t> large;
-  for (std::size_t i = 0; i < bins; ++i) {
-    scaled[i] = std::uint64_t{counts[i]} * bins;
-    (scaled[i] < units ? small : large).push_back(static_cast<std::uint32_t>(i));
-    entries.push_back({successors[i], successors[i], static_cast<std::uint32_t>(units)});
-  }
-  while (!small.empty()) {
-    const std::uint32_t lacking = small.back();
-    small.pop_back();
-    const std::uint32_t giving = large.back();  // exists: the bins' mean is exactly one full bin
-    entries[begin + lacking].alias = successors[giving];
-    entries[begin + lacking].threshold = static_cast<std::uint32_t>(scaled[lacking]);
-    scaled[giving] -= units - scaled[lacking];
-    if (scaled[giving] < units) {
-      large.pop_back();
-      small.push_back(giving);
-    }
-  }
+PackedRow packed_row(std::size_t begin, std::size_t bins) { return (PackedRow{begin} << 32U) | bins; }
+
+std::uint64_t bins_needed(const Chain& chain) {
+  return std::uint64_t{chain.transitions()} + 2 * std::uint64_t{chain.states()};
 }
 
 }  // namespace
 
-Result<AliasRows> AliasRows::make(const Chain& chain) {
-  const std::size_t states = chain.states();
-  const std::uint64_t entries = std::uint64_t{chain.transitions()} + 2 * std::uint64_t{states};
-  if (entries >> 32U != 0) {
-    return bad_input(fmt::format("chain needs {} sampling entries: expected below 2^32", entries));
-  }
-  AliasRows result;
-  result.stride_ = chain.actions() + 1;
-  result.rows_.resize(states * result.stride_);
-  result.entries_.reserve(entries);
+bool AliasRows::fits(const Chain& chain) { return chain.states() <= kStatesLimit && bins_needed(chain) < kBinsLimit; }
+
+AliasRows::AliasRows(const Chain& chain) : stride_(chain.actions() + 1) {
+  COPPICE_CHECK(fits(chain));
+  const auto states = static_cast<std::uint32_t>(chain.states());
+  rows_.resize(states * stride_);
+  bins_.reserve(bins_needed(chain));
+  thresholds_.reserve(bins_needed(chain));
+  units_.reserve(bins_needed(chain));
   // Shared by all untried pairs: every state, one unit each.
-  const AliasRow uniform{0, static_cast<std::uint32_t>(states), 1};
+  const PackedRow uniform = packed_row(0, states);
+  reach_ = states;  // no row has more bins
   for (std::uint32_t state = 0; state < states; ++state) {
-    result.entries_.push_back({state, state, 1});
+    append({state, state, 1}, 1);
   }
-  result.largest_product_ = states;
+  std::vector<AliasBin> bins;
   for (std::uint32_t state = 0; state < states; ++state) {
     for (std::size_t action = 0; action < chain.actions(); ++action) {
       const std::size_t row = state * chain.actions() + action;
-      AliasRow& alias_row = result.rows_[state * result.stride_ + action];
-      if (chain.tries(row) == 0) {
-        alias_row = uniform;
+      const auto successors = chain.successors(row);
+      if (successors.empty()) {
+        rows_[state * stride_ + action] = uniform;
         continue;
       }
-      const auto successors = chain.successors(row);
-      alias_row = {static_cast<std::uint32_t>(result.entries_.size()), static_cast<std::uint32_t>(successors.size()),
-                   static_cast<std::uint32_t>(chain.tries(row))};
-      append_bins(successors, chain.counts(row), chain.tries(row), result.entries_);
-      result.largest_product_ = std::max(result.largest_product_, std::uint64_t{alias_row.bins} * alias_row.units);
+      rows_[state * stride_ + action] = packed_row(bins_.size(), successors.size());
+      const auto units = static_cast<std::uint32_t>(chain.tries(row));
+      bins.resize(successors.size());
+      fill_bins(successors, chain.counts(row), units, bins);
+      for (const AliasBin& bin : bins) {
+        append(bin, units);
+      }
     }
-    result.rows_[state * result.stride_ + chain.actions()] = {static_cast<std::uint32_t>(result.entries_.size()), 1, 1};
-    result.entries_.push_back({state, state, 1});
+    rows_[state * stride_ + chain.actions()] = packed_row(bins_.size(), 1);
+    append({state, state, 1}, 1);
   }
-  return result;
+}
+
+void AliasRows::append(const AliasBin& bin, std::uint32_t units) {
+  bins_.push_back((PackedBin{cutoff_of(bin.threshold, units)} << 32U) | (PackedBin{bin.successor} << 16U) | bin.alias);
+  thresholds_.push_back(bin.threshold);
+  units_.push_back(units);
 }
 
 }  // namespace coppice

@@ -1,5 +1,7 @@
 #include "common/chain/random.hpp"
 
+#include <algorithm>
+
 namespace coppice {
 
 std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter, std::array<std::uint32_t, 2> key) {
@@ -20,10 +22,27 @@ std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter, st
   return counter;
 }
 
+namespace {
+
+std::array<std::uint32_t, 4> block_at(const DrawAt& place) {
+  return philox4x32({place.position, place.stream, place.generation, static_cast<std::uint32_t>(place.purpose)},
+                    {static_cast<std::uint32_t>(place.seed), static_cast<std::uint32_t>(place.seed >> 32U)});
+}
+
+}  // namespace
+
+void draw_words(const DrawAt& place, std::span<std::uint32_t> out) {
+  DrawAt at = place;
+  at.position = 0;
+  for (std::size_t begin = 0; begin < out.size(); begin += 4, ++at.position) {
+    const auto block = block_at(at);
+    std::copy_n(block.begin(), std::min<std::size_t>(block.size(), out.size() - begin),
+                out.begin() + static_cast<std::ptrdiff_t>(begin));
+  }
+}
+
 std::uint64_t draw(const DrawAt& place) {
-  const auto block =
-      philox4x32({place.position, place.stream, place.generation, static_cast<std::uint32_t>(place.purpose)},
-                 {static_cast<std::uint32_t>(place.seed), static_cast<std::uint32_t>(place.seed >> 32U)});
+  const auto block = block_at(place);
   return (static_cast<std::uint64_t>(block[1]) << 32U) | block[0];
 }
 

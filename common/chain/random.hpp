@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 namespace coppice {
 
@@ -27,6 +28,10 @@ struct DrawAt {
   std::uint32_t position = 0;
 };
 std::uint64_t draw(const DrawAt& place);
+
+// Many short draws of one stream: out[i] = 32 random bits of position i. A block of the generator gives four of them,
+// block b those of the positions 4 b to 4 b + 3. `place.position` is not used.
+void draw_words(const DrawAt& place, std::span<std::uint32_t> out);
 
 // Floor(x * n / 2^64): a number in [0, n) from 64 random bits, without division (Lemire, "Fast random integer
 // generation in an interval", TOMACS 2019). Exactly uniform once the few x with accept(x, n) false are redrawn.

@@ -1,121 +1,162 @@
 #include "common/fitness/evaluation.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "common/tree/action_table.hpp"
 
 namespace coppice {
 namespace {
 
-constexpr std::uint32_t kLanes = 8;  // walks side by side
-
-struct WalkInputs {
-  const PreparedJob& job;
-  const std::uint8_t* tree_acts;  // [states]
-  const std::uint8_t* matches;    // [states]
-  std::uint32_t* path;            // [rollouts x steps], or null
-};
-
-// Walks roll-outs first .. first + Lanes - 1 in lockstep; returns the matches along them.
-template <std::uint32_t Lanes, bool kMixed, bool kRecord>
-std::uint64_t walk(const WalkInputs& in, std::uint32_t first) {
-  const Job& job = in.job.job();
-  const AliasRows& rows = in.job.chain().rows();
-  const std::uint8_t* policy_acts = in.job.chain().policy().data();
-  const std::uint8_t* acts = job.acting == Acting::policy ? policy_acts : in.tree_acts;
-  const std::uint64_t* draws = in.job.draws(first).data();
-  const std::uint8_t* coins = kMixed ? in.job.policy_acts(first).data() : nullptr;
-  std::array<std::uint32_t, Lanes> state;
-  state.fill(in.job.chain().chain().initial_state());
-  std::uint64_t matched = 0;
-  for (std::uint32_t step = 0; step < job.steps; ++step) {
-    for (std::uint32_t lane = 0; lane < Lanes; ++lane) {
-      const std::size_t at = std::size_t{lane} * job.steps + step;
-      const std::uint32_t here = state[lane];
-      matched += in.matches[here];
-      if constexpr (kRecord) {
-        in.path[std::size_t{first} * job.steps + at] = here;
-      }
-      std::size_t action = acts[here];
-      if constexpr (kMixed) {
-        action = coins[at] != 0 ? policy_acts[here] : action;
-      }
-      state[lane] = rows.sample(here, action, draws[at], [&](std::uint32_t attempt) {
-        // A stream of its own for each step's further attempts: (roll-out, step, attempt) never meet again.
-        return draw({job.seed ^ (std::uint64_t{attempt} << 32U), Purpose::redraw, job.generation, first + lane, step});
-      });
-    }
-  }
-  return matched;
-}
-
-template <bool kMixed, bool kRecord>
-std::uint64_t walk_all(const WalkInputs& in) {
-  const std::uint32_t rollouts = in.job.job().rollouts;
-  std::uint64_t matched = 0;
-  std::uint32_t first = 0;
-  for (; first + kLanes <= rollouts; first += kLanes) {
-    matched += walk<kLanes, kMixed, kRecord>(in, first);
-  }
-  switch (rollouts - first) {
-    case 7:
-      return matched + walk<7, kMixed, kRecord>(in, first);
-    case 6:
-      return matched + walk<6, kMixed, kRecord>(in, first);
-    case 5:
-      return matched + walk<5, kMixed, kRecord>(in, first);
-    case 4:
-      return matched + walk<4, kMixed, kRecord>(in, first);
-    case 3:
-      return matched + walk<3, kMixed, kRecord>(in, first);
-    case 2:
-      return matched + walk<2, kMixed, kRecord>(in, first);
-    case 1:
-      return matched + walk<1, kMixed, kRecord>(in, first);
-    default:
-      return matched;
-  }
-}
+// Tallies kept for trees that mean the same; far more than a generation has individuals.
+constexpr std::size_t kMaxKnown = std::size_t{1} << 16U;
 
 }  // namespace
 
-Evaluation::Evaluation(std::shared_ptr<const PreparedJob> job) : job_(std::move(job)) {
+Evaluation::Evaluation(std::shared_ptr<const PreparedJob> job, Simd simd) : job_(std::move(job)), simd_(simd) {
+  for (const Objective& objective : job_->job().objectives) {
+    scores_path_ = scores_path_ || (along_walk(objective.kind) && objective.kind != ObjectiveKind::agreement);
+    scores_states_ = scores_states_ || !along_walk(objective.kind);
+  }
   const std::size_t states = job_->chain().chain().states();
-  actions_.resize(states);
-  matches_.resize(states);
-  const auto& objectives = job_->job().objectives;
-  records_path_ = std::any_of(objectives.begin(), objectives.end(), [](const Objective& objective) {
-    return along_walk(objective.kind) && objective.kind != ObjectiveKind::agreement;
-  });
-  if (records_path_) {
-    path_.resize(std::size_t{job_->job().rollouts} * job_->job().steps);
+  if (job_->chain().form() == PreparedChain::Form::lazy) {
+    lazy_.emplace(*job_);
+    actions_.resize(scores_states_ ? states : 0);
+    return;
+  }
+  const std::size_t trees = job_->trees_per_pass();
+  const std::size_t tables = job_->job().acting == Acting::mixed ? 2 : 1;
+  actions_.resize(trees * states);
+  rows_.resize(trees * tables * states);
+  matches_.resize(job_->lanes());
+  path_.resize(scores_path_ ? std::size_t{job_->job().steps} * job_->lanes() : 0);
+  first_row_.assign(job_->lanes(), 0);  // lanes without a tree walk with the first one's rows
+  for (std::uint32_t lane = 0; lane < job_->lanes(); ++lane) {
+    const std::size_t tree = job_->tree_of(lane);
+    first_row_[lane] = static_cast<std::uint32_t>(tree < trees ? tree * tables * states : 0);
   }
 }
 
-Tally Evaluation::evaluate(const Tree& tree) {
-  const PreparedChain& chain = job_->chain();
-  const auto none = static_cast<std::uint8_t>(chain.chain().actions());
-  fill_action_table(tree, chain.columns(), none, actions_);
-  for (std::size_t s = 0; s < actions_.size(); ++s) {
-    matches_[s] = actions_[s] == chain.policy()[s] ? 1 : 0;
+std::vector<Tally> Evaluation::evaluate(std::span<const Tree> trees) {
+  if (known_.size() > kMaxKnown) {
+    known_.clear();
+    tallies_.clear();
   }
-  Tally tally;
-  tally.nodes = static_cast<std::uint32_t>(tree.size());
+  std::vector<std::size_t> indices;
+  indices.reserve(trees.size());
+  for (const Tree& tree : trees) {
+    indices.push_back(known_index_of(tree));
+    if (waiting_.size() == job_->trees_per_pass()) {
+      walk_waiting();
+    }
+  }
+  if (!waiting_.empty()) {
+    walk_waiting();
+  }
+  std::vector<Tally> tallies;
+  tallies.reserve(trees.size());
+  for (std::size_t i = 0; i < trees.size(); ++i) {
+    tallies.push_back(tallies_[indices[i]]);
+    tallies.back().nodes = static_cast<std::uint32_t>(trees[i].size());
+  }
+  return tallies;
+}
+
+// Where the tally of the tree's meaning is, or will be once the waiting trees have walked.
+std::size_t Evaluation::known_index_of(const Tree& tree) {
+  const auto none = static_cast<std::uint8_t>(job_->chain().chain().actions());
+  const std::span<std::uint8_t> actions = actions_of(waiting_.size());
+  if (!lazy_) {
+    fill_action_table(tree, job_->chain().columns(), none, actions, simd_);
+  }
+  const Meaning meaning = lazy_ ? meaning_of(tree) : meaning_of(actions);
+  const auto [found, added] = known_.emplace(meaning, tallies_.size());
+  if (!added) {
+    ++repeated_;
+    return found->second;
+  }
+  Tally& tally = tallies_.emplace_back();
   tally.steps = std::uint64_t{job_->job().rollouts} * job_->job().steps;
   tally.scores.assign(job_->job().objectives.size(), 0);
-  score_walks(tally);
-  score_states(tally);
-  return tally;
+  if (lazy_) {
+    walk_lazily(tree, tally);
+    if (scores_states_) {
+      fill_action_table(tree, job_->chain().columns(), none, actions, simd_);
+    }
+  } else {
+    waiting_.push_back(found->second);
+  }
+  score_states(actions, tally);
+  return found->second;
 }
 
-void Evaluation::score_walks(Tally& tally) {
-  const WalkInputs in{*job_, actions_.data(), matches_.data(), path_.data()};
-  if (job_->job().acting == Acting::mixed) {
-    tally.matches = records_path_ ? walk_all<true, true>(in) : walk_all<true, false>(in);
-  } else {
-    tally.matches = records_path_ ? walk_all<false, true>(in) : walk_all<false, false>(in);
+std::span<std::uint8_t> Evaluation::actions_of(std::size_t waiting) {
+  const std::size_t states = lazy_ ? actions_.size() : job_->chain().chain().states();
+  return std::span<std::uint8_t>(actions_).subspan(waiting * states, states);
+}
+
+void Evaluation::walk_waiting() {
+  const PreparedChain& chain = job_->chain();
+  const std::size_t states = chain.chain().states();
+  const Acting acting = job_->job().acting;
+  PackedRow* out = rows_.data();
+  for (std::size_t tree = 0; tree < waiting_.size(); ++tree) {
+    const std::uint8_t* actions = actions_of(tree).data();
+    const std::uint8_t* policy = chain.policy().data();
+    if (acting != Acting::policy) {
+      choose_rows({chain.rows(), actions, actions, policy, states}, out, simd_);
+      out += states;
+    }
+    if (acting != Acting::tree) {
+      choose_rows({chain.rows(), policy, actions, policy, states}, out, simd_);
+      out += states;
+    }
   }
+  for (std::uint32_t pass = 0; pass < job_->passes(); ++pass) {
+    const std::uint32_t used = job_->lanes_used(pass, static_cast<std::uint32_t>(waiting_.size()));
+    walk({*job_, pass, used, rows_.data(), first_row_.data(), matches_.data(), scores_path_ ? path_.data() : nullptr},
+         simd_);
+    for (std::uint32_t lane = 0; lane < used; ++lane) {
+      tallies_[waiting_[job_->tree_of(lane)]].matches += matches_[lane];
+    }
+    if (scores_path_) {
+      score_path(pass);
+    }
+  }
+  for (std::size_t i = 0; i < job_->job().objectives.size(); ++i) {
+    if (job_->job().objectives[i].kind == ObjectiveKind::agreement) {
+      for (const std::size_t index : waiting_) {
+        tallies_[index].scores[i] = static_cast<std::int64_t>(tallies_[index].matches);
+      }
+    }
+  }
+  waiting_.clear();
+}
+
+void Evaluation::score_path(std::uint32_t pass) {
+  const std::size_t stride = job_->chain().chain().actions() + 1;
+  const std::uint32_t lanes_per_tree = job_->lanes_used(pass, 1);
+  for (std::size_t i = 0; i < job_->job().objectives.size(); ++i) {
+    const ObjectiveKind kind = job_->job().objectives[i].kind;
+    if (!along_walk(kind) || kind == ObjectiveKind::agreement) {
+      continue;
+    }
+    const std::int64_t* scores = job_->tables()[i].scores.data();
+    for (std::size_t tree = 0; tree < waiting_.size(); ++tree) {
+      const std::uint8_t* actions = actions_of(tree).data();
+      const std::uint32_t* line = path_.data() + tree * lanes_per_tree;
+      std::int64_t sum = 0;
+      for (std::uint32_t step = 0; step < job_->job().steps; ++step, line += job_->lanes()) {
+        for (std::uint32_t lane = 0; lane < lanes_per_tree; ++lane) {
+          sum += scores[line[lane] * stride + actions[line[lane]]];
+        }
+      }
+      tallies_[waiting_[tree]].scores[i] += sum;
+    }
+  }
+}
+
+void Evaluation::walk_lazily(const Tree& tree, Tally& tally) {
+  tally.matches = lazy_->walk(tree, scores_path_);
   const std::size_t stride = job_->chain().chain().actions() + 1;
   for (std::size_t i = 0; i < tally.scores.size(); ++i) {
     const ObjectiveKind kind = job_->job().objectives[i].kind;
@@ -123,16 +164,14 @@ void Evaluation::score_walks(Tally& tally) {
       tally.scores[i] = static_cast<std::int64_t>(tally.matches);
     } else if (along_walk(kind)) {
       const std::int64_t* scores = job_->tables()[i].scores.data();
-      std::int64_t sum = 0;
-      for (const std::uint32_t state : path_) {
-        sum += scores[state * stride + actions_[state]];
+      for (std::size_t at = 0; at < lazy_->path().size(); ++at) {
+        tally.scores[i] += scores[lazy_->path()[at] * stride + lazy_->path_actions()[at]];
       }
-      tally.scores[i] = sum;
     }
   }
 }
 
-void Evaluation::score_states(Tally& tally) const {
+void Evaluation::score_states(std::span<const std::uint8_t> actions, Tally& tally) const {
   const std::size_t stride = job_->chain().chain().actions() + 1;
   for (std::size_t i = 0; i < tally.scores.size(); ++i) {
     if (along_walk(job_->job().objectives[i].kind)) {
@@ -140,8 +179,8 @@ void Evaluation::score_states(Tally& tally) const {
     }
     const std::int64_t* scores = job_->tables()[i].scores.data();
     std::int64_t sum = 0;
-    for (std::size_t s = 0; s < actions_.size(); ++s) {
-      sum += scores[s * stride + actions_[s]];
+    for (std::size_t s = 0; s < actions.size(); ++s) {
+      sum += scores[s * stride + actions[s]];
     }
     tally.scores[i] = sum;
   }

@@ -1,6 +1,23 @@
 #include "common/fitness/prepared_job.hpp"
 
+#include <algorithm>
+
 namespace coppice {
+namespace {
+
+// Beyond this many steps a roll-out hides its latency as well alone, and its draws are not worth copying.
+constexpr std::uint32_t kLongWalk = 1U << 14U;
+// The acting rows of a pass' trees stay near the core.
+constexpr std::size_t kRowsPerPass = std::size_t{1} << 15U;
+
+// For lanes without a roll-out: far from where a row's bins begin and end, so that they decide quickly.
+constexpr std::uint32_t kIdleDraw = 0x55555555;
+
+std::uint32_t rounded_up(std::uint32_t lanes) {
+  return (lanes + PreparedJob::kVectorLanes - 1) / PreparedJob::kVectorLanes * PreparedJob::kVectorLanes;
+}
+
+}  // namespace
 
 Result<std::shared_ptr<const PreparedJob>> PreparedJob::make(std::shared_ptr<const PreparedChain> chain, const Job& job,
                                                              const std::shared_ptr<const PreparedJob>& previous) {
@@ -23,17 +40,50 @@ Result<std::shared_ptr<const PreparedJob>> PreparedJob::make(std::shared_ptr<con
   }
   prepared->chain_ = std::move(chain);
   prepared->job_ = job;
-  prepared->draws_.reserve(std::size_t{job.rollouts} * job.steps);
-  for (std::uint32_t rollout = 0; rollout < job.rollouts; ++rollout) {
-    for (std::uint32_t step = 0; step < job.steps; ++step) {
-      prepared->draws_.push_back(draw({job.seed, Purpose::rollout, job.generation, rollout, step}));
-      if (job.acting == Acting::mixed) {
-        const std::uint64_t coin = draw({job.seed, Purpose::mixing, job.generation, rollout, step});
-        prepared->policy_acts_.push_back(coin < job.policy_share ? 1 : 0);
+  prepared->lay_out();
+  prepared->draw_all();
+  return std::shared_ptr<const PreparedJob>(std::move(prepared));
+}
+
+void PreparedJob::lay_out() {
+  if (job_.rollouts >= kPassLanes) {
+    passes_ = (job_.rollouts + kPassLanes - 1) / kPassLanes;
+    lanes_ = kPassLanes;
+    return;
+  }
+  if (chain_->form() == PreparedChain::Form::tables && job_.steps < kLongWalk) {
+    const std::size_t near_rows = std::max<std::size_t>(1, kRowsPerPass / chain_->chain().states());
+    trees_per_pass_ = static_cast<std::uint32_t>(std::min<std::size_t>(kPassLanes / job_.rollouts, near_rows));
+  }
+  lanes_ = rounded_up(trees_per_pass_ * job_.rollouts);
+}
+
+std::uint32_t PreparedJob::lanes_used(std::uint32_t pass, std::uint32_t trees) const {
+  return passes_ > 1 ? std::min(kPassLanes, job_.rollouts - pass * kPassLanes) : trees * job_.rollouts;
+}
+
+void PreparedJob::draw_all() {
+  draws_.assign(offset(passes_), kIdleDraw);
+  policy_acts_.resize(job_.acting == Acting::mixed ? draws_.size() : 0);
+  std::vector<std::uint32_t> words(job_.steps);
+  for (std::uint32_t rollout = 0; rollout < job_.rollouts; ++rollout) {
+    const std::uint32_t pass = rollout / kPassLanes;
+    const std::size_t first = offset(pass) + rollout % kPassLanes;
+    draw_words({job_.seed, Purpose::rollout, job_.generation, rollout, 0}, words);
+    for (std::uint32_t step = 0; step < job_.steps; ++step) {
+      std::uint8_t policy = 0;
+      if (job_.acting == Acting::mixed) {
+        policy = draw({job_.seed, Purpose::mixing, job_.generation, rollout, step}) < job_.policy_share ? 1 : 0;
+      }
+      for (std::uint32_t tree = 0; tree < trees_per_pass_; ++tree) {
+        const std::size_t at = first + std::size_t{step} * lanes_ + std::size_t{tree} * job_.rollouts;
+        draws_[at] = words[step];
+        if (!policy_acts_.empty()) {
+          policy_acts_[at] = policy;
+        }
       }
     }
   }
-  return std::shared_ptr<const PreparedJob>(std::move(prepared));
 }
 
 }  // namespace coppice

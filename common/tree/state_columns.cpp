@@ -1,14 +1,9 @@
 #include "common/tree/state_columns.hpp"
 
-#include <limits>
-
-#include "common/check.hpp"
-
 namespace coppice {
 namespace {
 
 constexpr std::size_t kWordBits = 64;
-constexpr std::uint32_t kUndeclared = std::numeric_limits<std::uint32_t>::max();
 
 bool holds(Op op, std::uint8_t read, std::uint8_t value) { return op == Op::equal ? read == value : read <= value; }
 
@@ -55,13 +50,5 @@ StateColumns::StateColumns(const Vocabulary& vocabulary, std::span<const std::ui
     }
   }
 }
-
-const std::uint64_t* StateColumns::column(const Node& condition) const {
-  const std::size_t slot = slot_of(condition.index, condition.op, condition.value);
-  COPPICE_CHECK(condition.kind == NodeKind::condition && slot < column_of_.size() && column_of_[slot] != kUndeclared);
-  return bits_.data() + column_of_[slot] * words_;
-}
-
-const std::uint64_t* StateColumns::all() const { return bits_.data(); }
 
 }  // namespace coppice

@@ -42,9 +42,10 @@ std::string progress_text(const GenerationRecord& record, const DispatchStatisti
 }
 
 Json json_of(const DispatchStatistics& statistics) {
-  return {{"individuals", statistics.individuals}, {"batches", statistics.batches},
-          {"duplicates", statistics.duplicates},   {"requeued", statistics.requeued},
-          {"rejected", statistics.rejected},       {"workers_lost", statistics.workers_lost}};
+  return {{"individuals", statistics.individuals},  {"repeated", statistics.repeated},
+          {"batches", statistics.batches},          {"duplicates", statistics.duplicates},
+          {"requeued", statistics.requeued},        {"rejected", statistics.rejected},
+          {"workers_lost", statistics.workers_lost}};
 }
 
 // The run's figures; what a repetition with the same seed repeats, but for seconds and dispatch.
@@ -187,6 +188,10 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
   text += fmt::format(
       "fitness {:.4f}, agreement {:.1f} % of {}\n", evolved->best.fitness, 100.0 * evolved->best.agreement,
       evolved->interrupted ? std::string("its generation's steps") : fmt::format("{} steps", evolved->final_steps));
+  text += fmt::format("{} individuals, {:.0f} % of them the same in every state as another of their generation\n",
+                      statistics.individuals,
+                      100.0 * static_cast<double>(statistics.repeated) /
+                          static_cast<double>(std::max<std::uint64_t>(1, statistics.individuals)));
   text += fmt::format("evolved, {}:\n{}\n", counted(evolved->best.tree.size(), "node"), tree_text);
   text += fmt::format("pruned, {}:\n{}\n", counted(pruned.size(), "node"), pruned_text);
   Json json = {{"study", study.path()},

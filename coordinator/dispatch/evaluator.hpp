@@ -20,6 +20,7 @@ namespace coppice {
 // What an evaluator did so far; for progress lines and reports, never for decisions.
 struct DispatchStatistics {
   std::uint64_t individuals = 0;  // settled
+  std::uint64_t repeated = 0;     // of them: not evaluated, because another of the same call meant the same
   std::uint64_t batches = 0;      // sent
   std::uint64_t duplicates = 0;   // answers to batches that were already settled
   std::uint64_t requeued = 0;     // batches taken back from a worker that died, hung, left or was late

@@ -13,7 +13,7 @@ namespace coppice {
 
 class SerialEvaluator : public Evaluator {
  public:
-  // `stop` outlives the evaluator. Errors: as PreparedChain::make().
+  // `stop` outlives the evaluator. Never fails; a Result because every way to open an evaluator is one.
   static Result<std::unique_ptr<Evaluator>> make(std::shared_ptr<const Chain> chain, const StopFlag& stop);
 
   Result<std::vector<Tally>> evaluate(std::span<const Tree> trees, const Job& job) override;

@@ -13,7 +13,7 @@ namespace coppice {
 namespace {
 
 constexpr int kApplicationId = 0x436F7070;  // "Copp"
-constexpr int kSchemaVersion = 1;
+constexpr int kSchemaVersion = 2;           // 2: other draws for roll-outs than before
 
 constexpr const char* kSchema = R"(
 CREATE TABLE study(

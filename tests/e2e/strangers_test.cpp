@@ -76,8 +76,8 @@ TEST_F(Strangers, WhoSpeakAnotherProtocolVersionAreRefusedWithAMessageOnBothSide
   }
   EXPECT_EQ(next.wait(), (e2e::Ending{1, 0}));
   const std::string said = next.rest_of_error();
-  EXPECT_NE(said.find("speaks protocol 1, this worker (version 99.0) speaks 2"), std::string::npos) << said;
-  EXPECT_NE(log_.str().find("it speaks protocol 2, this coordinator"), std::string::npos) << log_.str();
+  EXPECT_NE(said.find("speaks protocol 2, this worker (version 99.0) speaks 3"), std::string::npos) << said;
+  EXPECT_NE(log_.str().find("it speaks protocol 3, this coordinator"), std::string::npos) << log_.str();
   EXPECT_EQ(evaluator->statistics().workers_alive, 1U);
 }
 

@@ -63,7 +63,7 @@ TEST(Assembly, RefusesBlocksThatDoNotFitAndBytesThatDoNotHaveTheHash) {
 
 TEST(ChainStore, KeepsTheLastFewChains) {
   ChainStore store;
-  const auto chain = *PreparedChain::make(oracles::shared_random_chain({.states = 10}));
+  const auto chain = PreparedChain::make(oracles::shared_random_chain({.states = 10}));
   std::vector<ChainHash> hashes;
   for (std::uint8_t i = 0; i <= ChainStore::kMaxChains; ++i) {
     ChainHash hash;

@@ -27,6 +27,15 @@ TEST(Draw, IsPinned) {
   EXPECT_EQ(random.next(), 0xcfc5d07f6f03c29bULL);
 }
 
+TEST(DrawWords, AreTheWordsOfTheStreamsBlocks) {
+  const DrawAt place{(std::uint64_t{9} << 32U) | 8, Purpose::rollout, 3, 5, 77};
+  std::vector<std::uint32_t> words(10);
+  draw_words(place, words);
+  for (std::uint32_t i = 0; i < words.size(); ++i) {
+    EXPECT_EQ(words[i], philox4x32({i / 4, 5, 3, static_cast<std::uint32_t>(Purpose::rollout)}, {8, 9})[i % 4]);
+  }
+}
+
 TEST(Draw, DiffersInEveryCoordinate) {
   const DrawAt place{7, Purpose::rollout, 1, 1, 1};
   const std::uint64_t here = draw(place);

@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <optional>
+#include <string>
 
 #include "common/tree/tick.hpp"
 #include "tests/oracles/chains.hpp"
@@ -12,9 +14,7 @@ namespace coppice {
 namespace {
 
 std::shared_ptr<const PreparedChain> prepare(Chain chain) {
-  auto prepared = PreparedChain::make(std::make_shared<const Chain>(std::move(chain)));
-  EXPECT_TRUE(prepared.has_value());
-  return *prepared;
+  return PreparedChain::make(std::make_shared<const Chain>(std::move(chain)));
 }
 
 Tally evaluate(const std::shared_ptr<const PreparedChain>& chain, const Job& job, const Tree& tree) {
@@ -37,7 +37,7 @@ Tally plain_evaluation(const Chain& chain, const Job& job, const std::vector<Obj
   Tally tally;
   tally.nodes = static_cast<std::uint32_t>(tree.size());
   tally.scores.assign(objectives.size(), 0);
-  const auto alias = AliasRows::make(chain);
+  const AliasRows rows(chain);
   std::vector<ScoreTable> tables;
   for (const Objective& objective : objectives) {
     tables.push_back(*make_score_table(chain, objective));
@@ -62,8 +62,11 @@ Tally plain_evaluation(const Chain& chain, const Job& job, const std::vector<Obj
                                 draw({job.seed, Purpose::mixing, job.generation, rollout, step}) < job.policy_share);
       const ActionId acting = policy_acts ? chain.policy(state) : action;
       const std::size_t column = acting == kNoAction ? chain.actions() : index_of(acting);
-      state = alias->sample(state, column, draw({job.seed, Purpose::rollout, job.generation, rollout, step}),
-                            [](std::uint32_t) { return std::uint64_t{0}; });
+      std::vector<std::uint32_t> words(step + 1);
+      draw_words({job.seed, Purpose::rollout, job.generation, rollout, 0}, words);
+      state = rows.sample_carefully(rows.row(state, column), words[step], [&](std::uint32_t attempt) {
+        return draw({job.seed ^ (std::uint64_t{attempt} << 32U), Purpose::redraw, job.generation, rollout, step});
+      });
     }
   }
   for (std::size_t state = 0; state < chain.states(); ++state) {
@@ -72,25 +75,124 @@ Tally plain_evaluation(const Chain& chain, const Job& job, const std::vector<Obj
   return tally;
 }
 
-TEST(Evaluation, EqualsThePlainWalkForEveryActingPolicyAndNumberOfRollouts) {
-  const Chain chain = oracles::random_chain({.states = 300, .actions = 3, .seed = 31});
-  const auto prepared = prepare(chain);
-  const auto trees = oracles::random_trees(chain.vocabulary(), 40, 3);
+// Every way to compute a tally: with vectors and without, with tables and lazily.
+struct Way {
+  PreparedChain::Form form;
+  Simd simd;
+};
+std::vector<Way> all_ways() {
+  std::vector<Way> ways = {{PreparedChain::Form::tables, Simd::none}, {PreparedChain::Form::lazy, Simd::none}};
+  if (best_simd() != Simd::none) {
+    ways.push_back({PreparedChain::Form::tables, best_simd()});
+    ways.push_back({PreparedChain::Form::lazy, best_simd()});
+  }
+  return ways;
+}
+
+TEST(Evaluation, EqualsThePlainWalkInEveryWayForEveryActingPolicyAndNumberOfRollouts) {
+  const auto chain = oracles::shared_random_chain({.states = 300, .actions = 3, .seed = 31});
+  const auto trees = oracles::random_trees(chain->vocabulary(), 40, 3);
   for (const Acting acting : {Acting::tree, Acting::policy, Acting::mixed}) {
-    for (const std::uint32_t rollouts : {1U, 2U, 5U, 7U, 8U, 9U, 19U}) {
+    for (const std::uint32_t rollouts : {1U, 2U, 5U, 7U, 8U, 16U, 19U, 32U, 45U}) {
       Job job;
-      job.objectives = all_objectives(chain.vocabulary());
+      job.objectives = all_objectives(chain->vocabulary());
       job.rollouts = rollouts;
       job.steps = 37;
       job.acting = acting;
       job.policy_share = std::uint64_t{1} << 62U;
       job.seed = 99;
       job.generation = rollouts;
+      std::vector<Tally> expected;
       for (const Tree& tree : trees) {
-        ASSERT_EQ(evaluate(prepared, job, tree), plain_evaluation(chain, job, job.objectives, tree));
+        expected.push_back(plain_evaluation(*chain, job, job.objectives, tree));
+      }
+      for (const Way& way : all_ways()) {
+        Evaluation evaluation(*PreparedJob::make(PreparedChain::make(chain, way.form), job), way.simd);
+        ASSERT_EQ(evaluation.evaluate(trees), expected);  // many to a pass
+        for (std::size_t i = 0; i < trees.size(); i += 7) {
+          Evaluation alone(*PreparedJob::make(PreparedChain::make(chain, way.form), job), way.simd);
+          ASSERT_EQ(alone.evaluate(trees[i]), expected[i]);
+        }
       }
     }
   }
+}
+
+TEST(Evaluation, WithoutAPathEqualsThePlainWalkInEveryWay) {
+  const auto chain = oracles::shared_random_chain({.states = 513, .actions = 7, .seed = 77});
+  const auto trees = oracles::random_trees(chain->vocabulary(), 60, 8);
+  for (const Acting acting : {Acting::tree, Acting::mixed}) {
+    Job job;
+    job.rollouts = 3;
+    job.steps = 200;
+    job.acting = acting;
+    job.policy_share = std::uint64_t{3} << 62U;
+    std::vector<Tally> expected;
+    for (const Tree& tree : trees) {
+      expected.push_back(plain_evaluation(*chain, job, job.objectives, tree));
+    }
+    for (const Way& way : all_ways()) {
+      Evaluation evaluation(*PreparedJob::make(PreparedChain::make(chain, way.form), job), way.simd);
+      ASSERT_EQ(evaluation.evaluate(trees), expected);
+    }
+  }
+}
+
+// Many steps whose random bits do not decide alone: a row of 60000 bins leaves one in 36000 open.
+TEST(Evaluation, EqualsThePlainWalkWhereBitsAreShort) {
+  ChainParts parts = oracles::random_chain({.states = 700, .actions = 1, .seed = 3}).parts();
+  constexpr std::uint32_t kStates = 60'000;
+  const std::size_t features = 17;
+  parts.vocabulary.features.clear();
+  parts.features.clear();
+  for (std::size_t bit = 0; bit < features; ++bit) {
+    parts.vocabulary.features.push_back({"b" + std::to_string(bit), {0, 1}});
+  }
+  for (std::uint32_t state = 0; state < kStates; ++state) {
+    for (std::size_t bit = 0; bit < features; ++bit) {
+      parts.features.push_back(static_cast<std::uint8_t>(state >> bit & 1U));
+    }
+  }
+  parts.row_begin.assign(kStates + 1, 0);  // nothing was ever tried: every step leads anywhere
+  parts.successor.clear();
+  parts.count.clear();
+  parts.reward_sum.assign(kStates, 0.0);
+  parts.q.assign(kStates, 0.0);
+  parts.policy.assign(kStates, ActionId{0});
+  parts.visits.assign(kStates, 1);
+  parts.initial_state = 5;
+  auto made = Chain::make(std::move(parts));
+  ASSERT_TRUE(made.has_value()) << made.error().message;
+  const auto chain = std::make_shared<const Chain>(std::move(*made));
+  // Acts where bit 0 is set: elsewhere it holds its state for ever.
+  const auto tree = Tree::from_nodes(
+      {Node::composite(NodeKind::selector, 3), Node::condition(16, Op::equal, 1), Node::action(ActionId{0})});
+  Job job;
+  job.rollouts = 40;
+  job.steps = 5000;
+  std::optional<Tally> first;
+  for (const Way& way : all_ways()) {
+    Evaluation evaluation(*PreparedJob::make(PreparedChain::make(chain, way.form), job), way.simd);
+    const Tally tally = evaluation.evaluate(*tree);
+    EXPECT_EQ(tally, first.value_or(tally));
+    first = tally;
+  }
+}
+
+TEST(Evaluation, WalksTreesThatMeanTheSameOnce) {
+  const auto chain = oracles::shared_random_chain({.states = 200, .seed = 6});
+  const Tree move(ActionId{1});
+  const auto wrapped = Tree::from_nodes(
+      {Node::composite(NodeKind::selector, 3), Node::composite(NodeKind::sequence, 2), Node::action(ActionId{1})});
+  Evaluation evaluation(*PreparedJob::make(PreparedChain::make(chain), Job{}));
+  const std::vector<Tally> tallies = evaluation.evaluate(std::vector<Tree>{move, Tree(ActionId{0}), *wrapped, move});
+  EXPECT_EQ(evaluation.repeated(), 2U);
+  EXPECT_EQ(tallies[2].nodes, 3U);
+  EXPECT_EQ(tallies[2].matches, tallies[0].matches);
+  EXPECT_EQ(tallies[3], tallies[0]);
+  EXPECT_NE(tallies[1], tallies[0]);
+  evaluation.evaluate(move);
+  EXPECT_EQ(evaluation.repeated(), 3U);  // also from call to call
 }
 
 TEST(Evaluation, DependsOnTheSeedAndTheGeneration) {

@@ -28,6 +28,11 @@ TEST_P(ActionTableOfStates, equals_tick_on_every_state_for_random_trees) {
         ASSERT_EQ(table[s], tick(tree, arbitrary::row(rows, vocabulary, s)))
             << "state " << s << " of " << to_text(tree, vocabulary);
       }
+      std::vector<std::uint8_t> with_vectors(states);
+      std::vector<std::uint8_t> without(states);
+      fill_action_table(tree, columns, 0x7E, with_vectors, best_simd());
+      fill_action_table(tree, columns, 0x7E, without, Simd::none);
+      ASSERT_EQ(with_vectors, without);
     }
   }
 }

@@ -27,9 +27,8 @@ Job job_of(ObjectiveKind kind) {
 void use(Chain chain) {
   const std::size_t actions = chain.actions();
   const auto prepared = PreparedChain::make(std::make_shared<const Chain>(std::move(chain)));
-  COPPICE_CHECK(prepared.has_value());
   for (std::uint8_t kind = 0; kind < kObjectiveKinds; ++kind) {
-    const auto job = PreparedJob::make(*prepared, job_of(ObjectiveKind{kind}));
+    const auto job = PreparedJob::make(prepared, job_of(ObjectiveKind{kind}));
     if (!job) {
       COPPICE_CHECK(is_refusal(job.error()));
       continue;
