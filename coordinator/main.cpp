@@ -95,6 +95,7 @@ int run(int argc, char** argv) {
   coppice::add_draw(app, invocation);
   coppice::add_table(app, invocation);
   coppice::add_evaluate(app, invocation);
+  coppice::add_synth(app, invocation);
   coppice::add_info(app, invocation);
   try {
     app.parse(argc, argv);

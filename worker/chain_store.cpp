@@ -35,8 +35,8 @@ Assembly::Assembly(const ChainHash& hash, std::uint64_t size, std::size_t block_
     : hash_(hash),
       size_(size),
       block_bytes_(block_bytes),
-      present_((size + block_bytes - 1) / block_bytes),
-      missing_(present_.size()) {}
+      blocks_((size + block_bytes - 1) / block_bytes),
+      missing_(blocks_.size()) {}
 
 Result<Assembly> Assembly::start(const ChainHash& hash, std::uint64_t size, std::size_t block_bytes) {
   if (size == 0 || size > kMaxChainBytes) {
@@ -46,20 +46,18 @@ Result<Assembly> Assembly::start(const ChainHash& hash, std::uint64_t size, std:
 }
 
 Result<void> Assembly::add(std::uint32_t index, std::span<const std::uint8_t> block) {
-  if (index >= present_.size()) {
-    return bad_input(fmt::format("chain block {} of {}", index, present_.size()));
+  if (index >= blocks_.size()) {
+    return bad_input(fmt::format("chain block {} of {}", index, blocks_.size()));
   }
   const std::size_t begin = index * block_bytes_;
   const std::size_t expected = std::min<std::size_t>(block_bytes_, size_ - begin);
   if (block.size() != expected) {
     return bad_input(fmt::format("chain block {} has {} bytes: expected {}", index, block.size(), expected));
   }
-  if (!present_[index]) {
-    bytes_.resize(std::max(bytes_.size(), begin + expected));
-    std::copy(block.begin(), block.end(), bytes_.begin() + static_cast<std::ptrdiff_t>(begin));
-    present_[index] = true;
+  if (blocks_[index].empty()) {
+    blocks_[index].assign(block.begin(), block.end());
     --missing_;
-    while (first_missing_ < present_.size() && present_[first_missing_]) {
+    while (first_missing_ < blocks_.size() && !blocks_[first_missing_].empty()) {
       ++first_missing_;
     }
   }
@@ -71,7 +69,7 @@ std::optional<Assembly::Run> Assembly::missing(std::uint32_t window) const {
     return std::nullopt;
   }
   Run run{first_missing_, 0};
-  while (run.count < window && run.first + run.count < present_.size() && !present_[run.first + run.count]) {
+  while (run.count < window && run.first + run.count < blocks_.size() && blocks_[run.first + run.count].empty()) {
     ++run.count;
   }
   return run;
@@ -79,11 +77,10 @@ std::optional<Assembly::Run> Assembly::missing(std::uint32_t window) const {
 
 Result<std::shared_ptr<const PreparedChain>> Assembly::finish() && {
   COPPICE_CHECK(complete());
-  if (hash_of(bytes_) != hash_) {
+  if (hash_of(blocks_) != hash_) {
     return bad_input("the chain's bytes do not have its hash");
   }
-  auto chain = chain_from_bytes(bytes_);
-  bytes_ = {};  // before the chain is prepared: two copies at once at most
+  auto chain = chain_from_pieces(std::move(blocks_));
   if (!chain) {
     return tl::unexpected(chain.error());
   }

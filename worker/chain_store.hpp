@@ -61,8 +61,8 @@ class Assembly {
   ChainHash hash_;
   std::uint64_t size_;
   std::size_t block_bytes_;
-  std::vector<std::uint8_t> bytes_;  // grows with the blocks that came, not with what was promised
-  std::vector<bool> present_;
+  std::vector<std::vector<std::uint8_t>>
+      blocks_;  // empty where missing: memory grows with what came, not with promises
   std::size_t missing_;
   std::uint32_t first_missing_ = 0;  // no block before it is missing
 };

@@ -10,6 +10,22 @@ void ByteWriter::put_text(std::string_view text) {
   bytes_.insert(bytes_.end(), text.begin(), text.end());
 }
 
+void ByteReader::copy_pieces(std::uint8_t* out, std::size_t size) {
+  left_ -= size;
+  while (size > 0) {
+    if (rest_.empty()) {
+      COPPICE_CHECK(next_ != nullptr);
+      rest_ = next_();
+      COPPICE_CHECK(!rest_.empty());
+    }
+    const std::size_t count = std::min(size, rest_.size());
+    std::memcpy(out, rest_.data(), count);
+    rest_ = rest_.subspan(count);
+    out += count;
+    size -= count;
+  }
+}
+
 std::string ByteReader::get_text() {
   const auto length = get<std::uint16_t>();
   const std::vector<char> characters = get_all<char>(length);

@@ -3,14 +3,17 @@
 // a decoder checks ok() once per group of fields instead of at every field.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace coppice {
@@ -48,43 +51,68 @@ class ByteWriter {
 
 class ByteReader {
  public:
-  explicit ByteReader(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
+  explicit ByteReader(std::span<const std::uint8_t> bytes) : rest_(bytes), left_(bytes.size()) {}
+  // `size` bytes in pieces: `next` gives the first, and the following one whenever the one before was read to its end
+  // (which it may then free).
+  using NextPiece = std::function<std::span<const std::uint8_t>()>;
+  ByteReader(std::size_t size, NextPiece next) : left_(size), next_(std::move(next)) {}
 
   template <typename T>
   T get() {
     static_assert(std::is_trivially_copyable_v<T>);
     T value{};
-    if (rest_.size() < sizeof(T)) {
-      ok_ = false;
-      rest_ = {};
+    if (left_ < sizeof(T)) {
+      fail();
       return value;
     }
-    std::memcpy(&value, rest_.data(), sizeof(T));
-    rest_ = rest_.subspan(sizeof(T));
+    copy_to(&value, sizeof(T));
     return value;
   }
   template <typename T>
   std::vector<T> get_all(std::size_t count) {
     static_assert(std::is_trivially_copyable_v<T>);
-    if (count > rest_.size() / sizeof(T)) {
-      ok_ = false;
-      rest_ = {};
+    if (count > left_ / sizeof(T)) {
+      fail();
       return {};
     }
-    std::vector<T> values(count);
-    if (count > 0) {
-      std::memcpy(values.data(), rest_.data(), count * sizeof(T));
+    // Little by little, so that memory is taken no sooner than the pieces that were read are freed.
+    constexpr std::size_t kMostAtOnce = std::size_t{1} << 16U;
+    std::vector<T> values;
+    values.reserve(count);
+    while (values.size() < count) {
+      const std::size_t read = values.size();
+      const std::size_t more = std::min(kMostAtOnce, count - read);
+      values.resize(read + more);
+      copy_to(values.data() + read, more * sizeof(T));
     }
-    rest_ = rest_.subspan(count * sizeof(T));
     return values;
   }
   std::string get_text();
 
   bool ok() const { return ok_; }
-  std::size_t left() const { return rest_.size(); }
+  std::size_t left() const { return left_; }
 
  private:
-  std::span<const std::uint8_t> rest_;
+  void fail() {
+    ok_ = false;
+    rest_ = {};
+    left_ = 0;
+  }
+  // REQUIRES: size <= left_.
+  void copy_to(void* out, std::size_t size) {
+    if (size > rest_.size()) [[unlikely]] {
+      copy_pieces(static_cast<std::uint8_t*>(out), size);
+      return;
+    }
+    std::memcpy(out, rest_.data(), size);
+    rest_ = rest_.subspan(size);
+    left_ -= size;
+  }
+  void copy_pieces(std::uint8_t* out, std::size_t size);
+
+  std::span<const std::uint8_t> rest_;  // of the piece at hand
+  std::size_t left_ = 0;                // in all
+  NextPiece next_;
   bool ok_ = true;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <memory>
 #include <xxhash.h>
 
 #include "common/chain/bytes.hpp"
@@ -57,32 +58,16 @@ Result<Vocabulary> get_vocabulary(ByteReader& reader) {
   return vocabulary;
 }
 
-}  // namespace
-
-std::vector<std::uint8_t> to_bytes(const Chain& chain) {
-  const ChainParts& parts = chain.parts();
-  ByteWriter writer;
-  writer.reserve(4096 + parts.features.size() + parts.row_begin.size() * 8 + parts.successor.size() * 8 +
-                 parts.q.size() * 16 + parts.visits.size() * 9);
-  writer.put(kMagic);
-  writer.put(kFormat);
-  put_vocabulary(parts.vocabulary, writer);
-  writer.put(static_cast<std::uint64_t>(chain.states()));
-  writer.put(static_cast<std::uint64_t>(chain.transitions()));
-  writer.put(parts.initial_state);
-  writer.put_all(parts.features);
-  writer.put_all(parts.row_begin);
-  writer.put_all(parts.successor);
-  writer.put_all(parts.count);
-  writer.put_all(parts.reward_sum);
-  writer.put_all(parts.q);
-  writer.put_all(parts.policy);
-  writer.put_all(parts.visits);
-  return writer.take();
+ChainHash canonical(const XXH128_hash_t& value) {
+  XXH128_canonical_t digits;
+  XXH128_canonicalFromHash(&digits, value);
+  ChainHash hash;
+  std::copy(std::begin(digits.digest), std::end(digits.digest), hash.bytes.begin());
+  return hash;
 }
 
-Result<Chain> chain_from_bytes(std::span<const std::uint8_t> bytes) {
-  ByteReader reader(bytes);
+Result<Chain> get_chain(ByteReader reader) {
+  const std::size_t size = reader.left();
   if (reader.get<std::array<char, 4>>() != kMagic) {
     return bad_input("not a chain: expected it to begin with 'CPCH'");
   }
@@ -112,8 +97,8 @@ Result<Chain> chain_from_bytes(std::span<const std::uint8_t> bytes) {
   parts.policy = reader.get_all<ActionId>(states);
   parts.visits = reader.get_all<std::uint64_t>(states);
   if (!reader.ok()) {
-    return bad_input(fmt::format("chain is cut short: {} bytes do not hold {} states and {} transitions", bytes.size(),
-                                 states, transitions));
+    return bad_input(fmt::format("chain is cut short: {} bytes do not hold {} states and {} transitions", size, states,
+                                 transitions));
   }
   if (reader.left() != 0) {
     return bad_input(fmt::format("chain is followed by {} foreign bytes", reader.left()));
@@ -121,14 +106,58 @@ Result<Chain> chain_from_bytes(std::span<const std::uint8_t> bytes) {
   return Chain::make(std::move(parts));
 }
 
+}  // namespace
+
+std::vector<std::uint8_t> to_bytes(const Chain& chain) {
+  const ChainParts& parts = chain.parts();
+  ByteWriter writer;
+  writer.reserve(4096 + parts.features.size() + parts.row_begin.size() * 8 + parts.successor.size() * 8 +
+                 parts.q.size() * 16 + parts.visits.size() * 9);
+  writer.put(kMagic);
+  writer.put(kFormat);
+  put_vocabulary(parts.vocabulary, writer);
+  writer.put(static_cast<std::uint64_t>(chain.states()));
+  writer.put(static_cast<std::uint64_t>(chain.transitions()));
+  writer.put(parts.initial_state);
+  writer.put_all(parts.features);
+  writer.put_all(parts.row_begin);
+  writer.put_all(parts.successor);
+  writer.put_all(parts.count);
+  writer.put_all(parts.reward_sum);
+  writer.put_all(parts.q);
+  writer.put_all(parts.policy);
+  writer.put_all(parts.visits);
+  return writer.take();
+}
+
+Result<Chain> chain_from_bytes(std::span<const std::uint8_t> bytes) { return get_chain(ByteReader(bytes)); }
+
+Result<Chain> chain_from_pieces(std::vector<std::vector<std::uint8_t>> pieces) {
+  std::size_t size = 0;
+  for (const auto& piece : pieces) {
+    size += piece.size();
+  }
+  std::size_t read = 0;
+  return get_chain(ByteReader(size, [&pieces, &read]() -> std::span<const std::uint8_t> {
+    if (read > 0) {
+      pieces[read - 1] = std::vector<std::uint8_t>();
+    }
+    return pieces[read++];
+  }));
+}
+
 std::string ChainHash::hex() const { return fmt::format("{:02x}", fmt::join(bytes, "")); }
 
-ChainHash hash_of(std::span<const std::uint8_t> bytes) {
-  XXH128_canonical_t canonical;
-  XXH128_canonicalFromHash(&canonical, XXH3_128bits(bytes.data(), bytes.size()));
-  ChainHash hash;
-  std::copy(std::begin(canonical.digest), std::end(canonical.digest), hash.bytes.begin());
-  return hash;
+ChainHash hash_of(std::span<const std::uint8_t> bytes) { return canonical(XXH3_128bits(bytes.data(), bytes.size())); }
+
+ChainHash hash_of(const std::vector<std::vector<std::uint8_t>>& pieces) {
+  const std::unique_ptr<XXH3_state_t, void (*)(XXH3_state_t*)> state(XXH3_createState(),
+                                                                     [](XXH3_state_t* made) { XXH3_freeState(made); });
+  XXH3_128bits_reset(state.get());
+  for (const auto& piece : pieces) {
+    XXH3_128bits_update(state.get(), piece.data(), piece.size());
+  }
+  return canonical(XXH3_128bits_digest(state.get()));
 }
 
 Result<ChainHash> chain_hash_from_hex(std::string_view hex) {

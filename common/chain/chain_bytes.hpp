@@ -4,7 +4,7 @@
 //
 // Layout, little-endian: "CPCH", u32 format; u16 features, each {text name, u8 operators, u16 values, u8 x values};
 // u16 actions, each {text name}; u64 states, u64 transitions, u32 initial state; then the arrays of ChainParts in
-// the order of their declaration. Downsides: no compression, and the whole chain is one piece in memory.
+// the order of their declaration. Downside: no compression.
 #pragma once
 
 #include <array>
@@ -24,6 +24,8 @@ std::vector<std::uint8_t> to_bytes(const Chain& chain);
 // Errors say what is wrong and where; every size is held against the bytes at hand before memory is taken, and the
 // result passed Chain::make(). Never throws on any input.
 Result<Chain> chain_from_bytes(std::span<const std::uint8_t> bytes);
+// The same from consecutive pieces, each freed once it was read: the bytes and the chain never stand side by side.
+Result<Chain> chain_from_pieces(std::vector<std::vector<std::uint8_t>> pieces);
 
 struct ChainHash {
   std::array<std::uint8_t, 16> bytes{};
@@ -33,6 +35,7 @@ struct ChainHash {
 
 // XXH3-128 in its canonical (big-endian) order.
 ChainHash hash_of(std::span<const std::uint8_t> bytes);
+ChainHash hash_of(const std::vector<std::vector<std::uint8_t>>& pieces);
 // Errors: not 32 hexadecimal digits.
 Result<ChainHash> chain_hash_from_hex(std::string_view hex);
 

@@ -30,6 +30,10 @@ Result<std::shared_ptr<const PreparedJob>> PreparedJob::make(std::shared_ptr<con
   } else {
     auto tables = std::make_shared<std::vector<ScoreTable>>();
     for (const Objective& objective : job.objectives) {
+      if (objective.kind == ObjectiveKind::agreement) {  // counted along the walk: no table, which large chains feel
+        tables->emplace_back();
+        continue;
+      }
       auto table = make_score_table(chain->chain(), objective);
       if (!table) {
         return tl::unexpected(table.error());

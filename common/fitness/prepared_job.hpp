@@ -29,6 +29,7 @@ class PreparedJob {
 
   const PreparedChain& chain() const { return *chain_; }
   const Job& job() const { return job_; }
+  // One per objective; agreement's is empty.
   const std::vector<ScoreTable>& tables() const { return *tables_; }
 
   std::uint32_t trees_per_pass() const { return trees_per_pass_; }

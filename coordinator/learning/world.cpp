@@ -54,6 +54,9 @@ Result<World> load_world(const std::string& name_or_path) {
 }
 
 Result<World> make_world(const std::string& kind, const std::string& room) {
+  if (kind == kNoWorld) {
+    return bad_input("a made-up chain has no world to simulate: expected a study of 'coppice learn'");
+  }
   if (kind == name_of(WorldKind::windy)) {
     if (!room.empty()) {
       return bad_input(fmt::format("world 'windy': a map of {} bytes: expected none", room.size()));

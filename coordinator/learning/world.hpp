@@ -24,6 +24,9 @@ struct World {
 // "uav" (the default room), "windy", or the path of a .room file. Errors name file, line and column.
 Result<World> load_world(const std::string& name_or_path);
 
+// The kind of a study whose chain was made up (synthetic_chain.hpp): make_world() refuses it, saying so.
+inline constexpr const char* kNoWorld = "synthetic";
+
 // As load_world() for what a study holds: kind by name ("uav" or "windy") and room text.
 Result<World> make_world(const std::string& kind, const std::string& room);
 

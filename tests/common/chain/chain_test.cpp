@@ -86,6 +86,27 @@ TEST(ChainBytes, RoundTrip) {
   }
 }
 
+TEST(ChainBytes, CanBeReadInPiecesOfAnySize) {
+  const Chain chain = oracles::random_chain({.states = 200, .seed = 5});
+  const auto bytes = to_bytes(chain);
+  for (const std::size_t size : {std::size_t{1}, std::size_t{7}, std::size_t{4096}, bytes.size() - 1, bytes.size()}) {
+    std::vector<std::vector<std::uint8_t>> pieces;
+    for (std::size_t at = 0; at < bytes.size(); at += size) {
+      const auto piece = std::span(bytes).subspan(at, std::min(size, bytes.size() - at));
+      pieces.emplace_back(piece.begin(), piece.end());
+    }
+    EXPECT_EQ(hash_of(pieces), hash_of(bytes));
+    const auto last = pieces.back();
+    const auto back = chain_from_pieces(pieces);
+    ASSERT_TRUE(back.has_value()) << back.error().message;
+    EXPECT_EQ(back->parts(), chain.parts());
+    pieces.back().pop_back();
+    if (!pieces.back().empty()) {
+      EXPECT_FALSE(chain_from_pieces(pieces).has_value());
+    }
+  }
+}
+
 TEST(ChainBytes, RefusesEveryTruncation) {
   const auto bytes = to_bytes(oracles::random_chain({.states = 20, .seed = 3}));
   for (std::size_t length = 0; length < bytes.size(); ++length) {

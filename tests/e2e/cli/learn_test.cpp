@@ -65,5 +65,21 @@ TEST_F(Learn, AnInterruptionLeavesNoFile) {
   EXPECT_TRUE(files().empty());
 }
 
+TEST_F(Learn, SynthStartsAStudyThatCanBeEvaluatedButNotScored) {
+  const auto made = coppice_json({"synth", "-o", "s.coppice", "--states", "70000", "--branching", "3", "--json"});
+  EXPECT_EQ(made["transitions"], 70000 * 3 * 3);
+  const Completed again = coppice({"synth", "-o", "s.coppice", "--states", "10", "--branching", "2"});
+  EXPECT_EQ(again.ending, kWrongUse);
+  const Completed scored = coppice({"score", "s.coppice", "--tree", "a0"});
+  EXPECT_EQ(scored.ending, kWrongUse);
+  EXPECT_NE(scored.error.find("no world"), std::string::npos) << scored.error;
+  // Beyond the states that tables are made for: walked lazily, serially and by workers alike.
+  write("trees", "a0\n(selector (sequence f0=1 f3<=1 a0) (sequence f1=2 a1) a2)\n");
+  const Completed serial = coppice({"evaluate", "s.coppice", "--trees", "trees", "--serial"});
+  const Completed workers = coppice({"evaluate", "s.coppice", "--trees", "trees", "--workers", "2"});
+  EXPECT_EQ(serial.ending, kDone) << serial.error;
+  EXPECT_EQ(serial.output, workers.output) << workers.error;
+}
+
 }  // namespace
 }  // namespace coppice::e2e
