@@ -18,6 +18,11 @@ Evaluation::Evaluation(std::shared_ptr<const PreparedJob> job, Simd simd) : job_
     scores_states_ = scores_states_ || !along_walk(objective.kind);
   }
   const std::size_t states = job_->chain().chain().states();
+  if (job_->job().method != Method::rollouts) {
+    exact_.emplace(job_);
+    actions_.resize(states);
+    return;
+  }
   if (job_->chain().form() == PreparedChain::Form::lazy) {
     lazy_.emplace(*job_);
     actions_.resize(scores_states_ ? states : 0);
@@ -75,9 +80,11 @@ std::size_t Evaluation::known_index_of(const Tree& tree) {
     return found->second;
   }
   Tally& tally = tallies_.emplace_back();
-  tally.steps = std::uint64_t{job_->job().rollouts} * job_->job().steps;
+  tally.steps = tally_steps(job_->job());
   tally.scores.assign(job_->job().objectives.size(), 0);
-  if (lazy_) {
+  if (exact_) {
+    exact_->score_walks(actions, tally);
+  } else if (lazy_) {
     walk_lazily(tree, tally);
     if (scores_states_) {
       fill_action_table(tree, job_->chain().columns(), none, actions, simd_);

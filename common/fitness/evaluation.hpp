@@ -4,7 +4,8 @@
 //
 // One tree costs its action table (bit-parallel, all states at once), the rows that act under it, and its roll-outs,
 // walked side by side with those of other trees (walk.hpp). Trees that mean the same are walked once. On a chain
-// without tables a tree costs the states that its walks reach (lazy_walk.hpp).
+// without tables a tree costs the states that its walks reach (lazy_walk.hpp). A job may ask for expected values
+// instead of roll-outs (exact_evaluation.hpp).
 #pragma once
 
 #include <cstdint>
@@ -14,6 +15,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "common/fitness/exact_evaluation.hpp"
 #include "common/fitness/lazy_walk.hpp"
 #include "common/fitness/meaning.hpp"
 #include "common/fitness/prepared_job.hpp"
@@ -49,7 +51,9 @@ class Evaluation {
   Simd simd_;
   bool scores_path_ = false;    // some objective other than agreement is scored along the walk
   bool scores_states_ = false;  // some objective is scored over all states
+  // What there is instead of whole tables and passes; one of them at most.
   std::optional<LazyWalk> lazy_;
+  std::optional<ExactEvaluation> exact_;
 
   std::unordered_map<Meaning, std::size_t, MeaningHash> known_;  // index into tallies_
   std::vector<Tally> tallies_;

@@ -4,10 +4,14 @@
 #include <array>
 #include <fmt/format.h>
 
+#include "common/chain/exact.hpp"
+
 namespace coppice {
 namespace {
 
 constexpr std::array<std::string_view, 3> kActingNames = {"tree", "policy", "mixed"};
+constexpr std::array<std::string_view, kMethods> kMethodNames = {"rollouts", "exact", "discounted", "long_run"};
+constexpr double kTwo64 = 18446744073709551616.0;
 
 }  // namespace
 
@@ -19,6 +23,36 @@ Result<Acting> acting_named(std::string_view name) {
     return bad_input(fmt::format("no acting policy '{}': expected one of {}", name, fmt::join(kActingNames, ", ")));
   }
   return static_cast<Acting>(found - kActingNames.begin());
+}
+
+std::string_view name_of(Method method) { return kMethodNames.at(static_cast<std::size_t>(method)); }
+
+Result<Method> method_named(std::string_view name) {
+  const auto found = std::find(kMethodNames.begin(), kMethodNames.end(), name);
+  if (found == kMethodNames.end()) {
+    return bad_input(fmt::format("no method '{}': expected one of {}", name, fmt::join(kMethodNames, ", ")));
+  }
+  return static_cast<Method>(found - kMethodNames.begin());
+}
+
+std::uint64_t fixed_point_share(double value) {
+  return value >= 1.0 ? ~std::uint64_t{0} : static_cast<std::uint64_t>(value * kTwo64);
+}
+
+double fixed_point_value(std::uint64_t share) { return static_cast<double>(share) / kTwo64; }
+
+std::uint64_t tally_steps(const Job& job) {
+  if (job.method == Method::rollouts) {
+    return std::uint64_t{job.rollouts} * job.steps;
+  }
+  if (job.method != Method::exact) {
+    return kMaxWalkedSteps;
+  }
+  std::uint64_t steps = job.steps;
+  while (2 * steps <= kMaxWalkedSteps) {
+    steps *= 2;
+  }
+  return steps;
 }
 
 Result<void> check_job(const Job& job) {
@@ -39,6 +73,23 @@ Result<void> check_job(const Job& job) {
   if (std::uint64_t{job.rollouts} * job.steps > kMaxWalkedSteps) {
     return bad_input(fmt::format("{} roll-outs of {} steps: expected at most {} steps in all", job.rollouts, job.steps,
                                  kMaxWalkedSteps));
+  }
+  if (job.method != Method::discounted && job.gamma != 0) {
+    return bad_input(fmt::format("gamma is {} of method '{}': only 'discounted' has one", fixed_point_value(job.gamma),
+                                 name_of(job.method)));
+  }
+  if (fixed_point_value(job.gamma) > kMaxGamma) {
+    return bad_input(fmt::format("gamma is {}: expected 0 to {}", fixed_point_value(job.gamma), kMaxGamma));
+  }
+  return {};
+}
+
+Result<void> check_solvable(const Job& job, std::size_t states) {
+  const bool solves = job.method == Method::discounted || job.method == Method::long_run;
+  if (solves && states > kMaxSolvedStates) {
+    return bad_input(fmt::format("method '{}' solves for at most {} states, the chain has {}: expected '{}' or '{}'",
+                                 name_of(job.method), kMaxSolvedStates, states, name_of(Method::exact),
+                                 name_of(Method::rollouts)));
   }
   return {};
 }

@@ -16,6 +16,19 @@ enum class Acting : std::uint8_t { tree = 0, policy = 1, mixed = 2 };
 std::string_view name_of(Acting acting);
 Result<Acting> acting_named(std::string_view name);
 
+// How what is scored along the walk is found (exact_evaluation.hpp): sampled by roll-outs, or computed as the expected
+// value over the same number of steps, discounted, or as the mean over infinitely many steps.
+enum class Method : std::uint8_t { rollouts = 0, exact = 1, discounted = 2, long_run = 3 };
+inline constexpr std::uint8_t kMethods = 4;
+
+std::string_view name_of(Method method);
+Result<Method> method_named(std::string_view name);
+
+// Numbers in [0, 1] travel as shares of 2^64, so that a job has one meaning and one encoding. 1 is the largest share
+// there is, 2^-64 short of 1.
+std::uint64_t fixed_point_share(double value);
+double fixed_point_value(std::uint64_t share);
+
 inline constexpr std::uint32_t kMaxRollouts = 1U << 20U;
 inline constexpr std::uint32_t kMaxSteps = 1U << 20U;
 inline constexpr std::uint64_t kMaxWalkedSteps = 1ULL << 24U;  // rollouts x steps: their draws are kept in memory
@@ -27,18 +40,26 @@ struct Job {
   std::uint32_t steps = 100;   // t of thesis Table III
   Acting acting = Acting::tree;
   std::uint64_t policy_share = 0;  // mixed: the policy acts in a step with probability policy_share / 2^64
-  std::uint64_t seed = 0;          // of the run
-  std::uint32_t generation = 0;    // with the seed and the roll-out, it names the stream of random numbers
+  Method method = Method::rollouts;
+  std::uint64_t gamma = 0;       // discounted: step i weighs (gamma / 2^64)^i; 0 otherwise
+  std::uint64_t seed = 0;        // of the run
+  std::uint32_t generation = 0;  // with the seed and the roll-out, it names the stream of random numbers
   bool operator==(const Job&) const = default;
 };
 
 // Errors name the field, what was found and the limit.
 Result<void> check_job(const Job& job);
+// Whether a chain of so many states can be solved by the job's method (exact.hpp, kMaxSolvedStates).
+Result<void> check_solvable(const Job& job, std::size_t states);
+
+// Tally::steps of whatever this job evaluates: rollouts x steps; of what is computed, the steps that it reads like
+// (exact_evaluation.hpp). A tally of 0 steps is one without a result, which only the solving methods may give.
+std::uint64_t tally_steps(const Job& job);
 
 struct Tally {
   std::uint32_t nodes = 0;
   std::uint64_t matches = 0;         // steps of the walks in which the tree's action was the policy's
-  std::uint64_t steps = 0;           // rollouts x steps
+  std::uint64_t steps = 0;           // tally_steps(), or 0: no result
   std::vector<std::int64_t> scores;  // one per objective of the job; divide by ScoreTable::unit for values
   bool operator==(const Tally&) const = default;
 };

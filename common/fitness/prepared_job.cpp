@@ -24,6 +24,9 @@ Result<std::shared_ptr<const PreparedJob>> PreparedJob::make(std::shared_ptr<con
   if (auto ok = check_job(job); !ok) {
     return tl::unexpected(ok.error());
   }
+  if (auto ok = check_solvable(job, chain->chain().states()); !ok) {
+    return tl::unexpected(ok.error());
+  }
   std::shared_ptr<PreparedJob> prepared(new PreparedJob());
   if (previous != nullptr && previous->chain_ == chain && previous->job_.objectives == job.objectives) {
     prepared->tables_ = previous->tables_;
@@ -44,6 +47,9 @@ Result<std::shared_ptr<const PreparedJob>> PreparedJob::make(std::shared_ptr<con
   }
   prepared->chain_ = std::move(chain);
   prepared->job_ = job;
+  if (job.method != Method::rollouts) {
+    return std::shared_ptr<const PreparedJob>(std::move(prepared));  // nothing is drawn
+  }
   prepared->lay_out();
   prepared->draw_all();
   return std::shared_ptr<const PreparedJob>(std::move(prepared));

@@ -23,7 +23,8 @@ class PreparedJob {
   static constexpr std::uint32_t kPassLanes = 32;   // enough to hide the latency of the loads of a step
 
   // `previous`, if given, lends its score tables when chain and objectives are the same: generations of
-  // one run differ in their draws only. Errors: check_job(), make_score_table().
+  // one run differ in their draws only. Errors: check_job(), check_solvable(),
+  // make_score_table().
   static Result<std::shared_ptr<const PreparedJob>> make(std::shared_ptr<const PreparedChain> chain, const Job& job,
                                                          const std::shared_ptr<const PreparedJob>& previous = nullptr);
 
@@ -42,7 +43,7 @@ class PreparedJob {
     return pass * kPassLanes + lane % job_.rollouts;
   }
   std::uint32_t tree_of(std::uint32_t lane) const { return passes_ > 1 ? 0 : lane / job_.rollouts; }
-  // 32 random bits for each step of a pass. [steps x lanes]
+  // 32 random bits for each step of a pass. [steps x lanes] REQUIRES (also below): method rollouts.
   const std::uint32_t* draws(std::uint32_t pass) const { return draws_.data() + offset(pass); }
   // Mixed acting policy: 1 where the policy chooses the step. [steps x lanes]; null otherwise.
   const std::uint8_t* policy_acts(std::uint32_t pass) const {

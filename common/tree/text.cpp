@@ -31,6 +31,7 @@ std::string quoted(std::string_view text) {
 
 std::string names_of(const Vocabulary& vocabulary) {
   std::vector<std::string_view> features;
+  features.reserve(vocabulary.features.size());
   for (const Feature& feature : vocabulary.features) {
     features.emplace_back(feature.name);
   }

@@ -55,6 +55,8 @@ void put_job(const Job& job, ByteWriter& writer) {
   writer.put(job.steps);
   writer.put(job.acting);
   writer.put(job.policy_share);
+  writer.put(job.method);
+  writer.put(job.gamma);
   writer.put(static_cast<std::uint8_t>(job.objectives.size()));
   for (const Objective& objective : job.objectives) {
     writer.put(objective.kind);
@@ -104,11 +106,17 @@ Result<Job> get_job(ByteReader& reader) {
   job.steps = reader.get<std::uint32_t>();
   const auto acting = reader.get<std::uint8_t>();
   job.policy_share = reader.get<std::uint64_t>();
+  const auto method = reader.get<std::uint8_t>();
+  job.gamma = reader.get<std::uint64_t>();
   const auto objectives = reader.get<std::uint8_t>();
   if (acting > static_cast<std::uint8_t>(Acting::mixed)) {
     return bad_input(fmt::format("acting policy {} is unknown", acting));
   }
   job.acting = static_cast<Acting>(acting);
+  if (method >= kMethods) {
+    return bad_input(fmt::format("method {} is unknown", method));
+  }
+  job.method = static_cast<Method>(method);
   if (objectives > kMaxObjectives) {
     return bad_input(fmt::format("job has {} objectives: expected at most {}", objectives, kMaxObjectives));
   }

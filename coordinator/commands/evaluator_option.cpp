@@ -91,7 +91,7 @@ Result<EvaluatorChoice> evaluator_choice(const EvaluatorOption& option) {
     if (*option.domain > kHighestDomain) {
       return bad_input(fmt::format("--domain is {}: expected 0 to {}", *option.domain, kHighestDomain));
     }
-    choice.domain = *option.domain;
+    choice.domain = option.domain;
   }
   if (option.wait_seconds) {
     if (*option.wait_seconds < 1 || *option.wait_seconds > kLongestWait) {

@@ -56,6 +56,21 @@ Json outcome_json(const Evolved& evolved, const DispatchStatistics& statistics, 
           {"dispatch", json_of(statistics)}};
 }
 
+// Of what the answer's agreement is a share.
+std::string measured_on(const Evolved& evolved, const RolloutConfig& rollout) {
+  switch (rollout.method) {
+    case Method::rollouts:
+      break;
+    case Method::exact:
+      return fmt::format("{}, exactly", counted(rollout.steps, "step"));
+    case Method::discounted:
+      return fmt::format("an endless walk discounted by {}, exactly", rollout.gamma);
+    case Method::long_run:
+      return "an endless walk, exactly";
+  }
+  return evolved.interrupted ? "its generation's steps" : fmt::format("{} steps", evolved.final_steps);
+}
+
 struct StartedRun {
   RunId id{};
   EvolveConfig config;
@@ -185,9 +200,8 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
   std::string text = fmt::format("run {}: {}, seed {}, {}, {:.1f} s\n", static_cast<std::int64_t>(run),
                                  counted(evolved->generations_done, "generation"), started->config.seed,
                                  in_words(task.evaluator), seconds);
-  text += fmt::format(
-      "fitness {:.4f}, agreement {:.1f} % of {}\n", evolved->best.fitness, 100.0 * evolved->best.agreement,
-      evolved->interrupted ? std::string("its generation's steps") : fmt::format("{} steps", evolved->final_steps));
+  text += fmt::format("fitness {:.4f}, agreement {:.1f} % of {}\n", evolved->best.fitness,
+                      100.0 * evolved->best.agreement, measured_on(*evolved, started->config.rollout));
   text += fmt::format("{} individuals, {:.0f} % of them the same in every state as another of their generation\n",
                       statistics.individuals,
                       100.0 * static_cast<double>(statistics.repeated) /

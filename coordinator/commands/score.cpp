@@ -19,6 +19,7 @@ struct Options {
   std::uint64_t episodes = SimulateSettings{}.episodes;
   std::optional<std::uint32_t> steps;
   std::uint64_t seed = SimulateSettings{}.seed;
+  bool exact = false;
   bool json = false;
 };
 
@@ -38,9 +39,12 @@ Result<void> score_command(const Options& options, const StopFlag& stop) {
   const SimulateSettings settings{.episodes = options.episodes,
                                   .steps = options.steps ? *options.steps : learned_steps(*study),
                                   .seed = options.seed};
-  const Result<Score> score = score_tree(*world, study->chain(), *tree, settings, [&] { return !stop.raised(); });
+  Result<Score> score = score_tree(*world, study->chain(), *tree, settings, [&] { return !stop.raised(); });
   if (!score) {
     return tl::unexpected(score.error());
+  }
+  if (options.exact) {
+    add_exact(study->chain(), *tree, *score);
   }
   if (options.json) {
     fmt::print("{}\n", to_json(*score));
@@ -62,10 +66,13 @@ void add_score(CLI::App& app, Invocation& invocation) {
       ->capture_default_str();
   command->add_option("--steps", options->steps, "Steps per episode (default: as in learning)")->check(whole_number());
   command->add_option("--seed", options->seed, "Of the simulator")->check(whole_number())->capture_default_str();
+  command->add_flag("--exact", options->exact,
+                    "Also what is expected along the chain, computed: agreement and reward over --steps steps");
   command->add_flag("--json", options->json, "Report as one JSON object");
   command->footer(
       "Examples:\n"
       "  coppice score uav.coppice\n"
+      "  coppice score uav.coppice --exact\n"
       "  coppice score uav.coppice --tree '(selector (sequence s3=0 turn_left) move)' --episodes 5000");
   command->callback([&invocation, options] {
     invocation.chosen = [&invocation, options] { return score_command(*options, invocation.stop); };

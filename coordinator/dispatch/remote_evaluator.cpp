@@ -149,6 +149,9 @@ Result<void> RemoteEvaluator::check_objectives(const Job& job) {
   if (auto ok = check_job(job); !ok) {
     return ok;
   }
+  if (auto ok = check_solvable(job, chain_->states()); !ok) {
+    return ok;
+  }
   if (job.objectives == checked_objectives_) {
     return {};
   }
@@ -168,7 +171,7 @@ Result<std::vector<Tally>> RemoteEvaluator::evaluate(std::span<const Tree> trees
   COPPICE_CHECK(trees.size() < (std::size_t{1} << 31U));
   trees_ = trees;
   job_ = job;
-  job_steps_ = std::uint64_t{job.rollouts} * job.steps;
+  job_steps_ = tally_steps(job);
   std::size_t largest = 1;
   for (const Tree& tree : trees) {
     largest = std::max(largest, wire::encoded_size(tree));
@@ -371,7 +374,8 @@ void RemoteEvaluator::settle(const wire::Answer& answer, RemoteWorker* worker) {
 
 bool RemoteEvaluator::fits(const std::vector<Tally>& tallies, const Batch& batch) const {
   for (std::uint32_t i = 0; i < batch.count; ++i) {
-    if (tallies[i].nodes != trees_[batch.first + i].size() || tallies[i].steps != job_steps_) {
+    const bool steps_fit = tallies[i].steps == job_steps_ || (job_.method != Method::rollouts && tallies[i].steps == 0);
+    if (tallies[i].nodes != trees_[batch.first + i].size() || !steps_fit) {
       return false;
     }
   }

@@ -112,7 +112,7 @@ class RemoteEvaluator : public Evaluator {
   std::vector<Objective> checked_objectives_;
   std::span<const Tree> trees_;  // of the generation in flight
   Job job_;
-  std::uint64_t job_steps_ = 0;
+  std::uint64_t job_steps_ = 0;  // of every tally that has a result
   std::uint32_t most_per_task_ = 0;
   std::vector<Tally> tallies_;
   std::optional<Clock::time_point> without_worker_since_;

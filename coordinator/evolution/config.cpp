@@ -37,12 +37,6 @@ Result<void> check_walk(const char* key, std::uint32_t rollouts, std::uint32_t s
   return {};
 }
 
-// p as a share of 2^64; 1 is the largest there is, one step in 2^64 short of always.
-std::uint64_t fixed_point_share(double p) {
-  constexpr double kTwo64 = 18446744073709551616.0;
-  return p >= 1.0 ? ~std::uint64_t{0} : static_cast<std::uint64_t>(p * kTwo64);
-}
-
 }  // namespace
 
 double FitnessConfig::weight(ObjectiveKind kind) const {
@@ -69,11 +63,13 @@ Result<void> check_config(const EvolveConfig& config, const Vocabulary& vocabula
                                  config.ga.population));
   }
   const RolloutConfig& rollout = config.rollout;
-  if (auto ok = check_walk("rollouts", rollout.rollouts, rollout.steps); !ok) {
-    return ok;
-  }
-  if (auto ok = check_walk("final_rollouts", rollout.final_rollouts, rollout.steps); !ok) {
-    return ok;
+  if (rollout.method == Method::rollouts) {
+    if (auto ok = check_walk("rollouts", rollout.rollouts, rollout.steps); !ok) {
+      return ok;
+    }
+    if (auto ok = check_walk("final_rollouts", rollout.final_rollouts, rollout.steps); !ok) {
+      return ok;
+    }
   }
   const auto objectives = objectives_of(config.fitness, vocabulary);
   return objectives ? Result<void>() : tl::unexpected(objectives.error());
@@ -118,12 +114,18 @@ Job job_of(const EvolveConfig& config, std::vector<Objective> objectives, std::u
   const RolloutConfig& rollout = config.rollout;
   Job job;
   job.objectives = std::move(objectives);
-  job.rollouts = generation == kFinalGeneration ? rollout.final_rollouts : rollout.rollouts;
+  if (rollout.method == Method::rollouts) {
+    job.rollouts = generation == kFinalGeneration ? rollout.final_rollouts : rollout.rollouts;
+    job.seed = config.seed;
+    job.generation = generation;
+  } else {
+    job.rollouts = 1;  // nothing is drawn: one job for all generations, so what is known of a tree stays known
+  }
   job.steps = rollout.steps;
   job.acting = rollout.acting;
   job.policy_share = rollout.acting == Acting::mixed ? fixed_point_share(rollout.policy_share) : 0;
-  job.seed = config.seed;
-  job.generation = generation;
+  job.method = rollout.method;
+  job.gamma = rollout.method == Method::discounted ? fixed_point_share(rollout.gamma) : 0;
   return job;
 }
 

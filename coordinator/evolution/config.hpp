@@ -45,6 +45,8 @@ struct RolloutConfig {
   std::uint32_t final_rollouts = 200;  // the fixed, larger sample on which the best of all generations is chosen
   Acting acting = Acting::tree;
   double policy_share = 0.0;  // acting mixed: probability, per step, that the RL policy acts
+  Method method = Method::rollouts;
+  double gamma = 0.99;  // method discounted: step i weighs gamma^i
   bool operator==(const RolloutConfig&) const = default;
 };
 

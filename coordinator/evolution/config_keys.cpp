@@ -5,6 +5,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "common/chain/exact.hpp"
+
 namespace coppice {
 namespace {
 
@@ -78,6 +80,18 @@ Result<void> assign_acting(const ConfigKey& key, const ConfigValue& value, Actin
   return {};
 }
 
+Result<void> assign_method(const ConfigKey& key, const ConfigValue& value, Method& field) {
+  const auto* text = std::get_if<std::string>(&value);
+  const auto method = text != nullptr ? method_named(*text) : Result<Method>(bad_input(""));
+  if (!method) {
+    return mismatch(key, value,
+                    fmt::format("\"{}\", \"{}\", \"{}\" or \"{}\"", name_of(Method::rollouts), name_of(Method::exact),
+                                name_of(Method::discounted), name_of(Method::long_run)));
+  }
+  field = *method;
+  return {};
+}
+
 }  // namespace
 
 std::vector<ConfigKey> keys_of(EvolveConfig& config) {
@@ -103,6 +117,8 @@ std::vector<ConfigKey> keys_of(EvolveConfig& config) {
       {"rollout", "final_rollouts", &rollout.final_rollouts, 1, kMaxRollouts},
       {"rollout", "acting", &rollout.acting, 0, 0},
       {"rollout", "policy_share", &rollout.policy_share, 0, 1},
+      {"rollout", "method", &rollout.method, 0, 0},
+      {"rollout", "gamma", &rollout.gamma, 0, kMaxGamma},
       weight(ObjectiveKind::agreement, fitness.agreement),
       weight(ObjectiveKind::q_value, fitness.q_value),
       weight(ObjectiveKind::shaped, fitness.shaped),
@@ -128,6 +144,8 @@ Result<void> assign(const ConfigKey& key, const ConfigValue& value) {
           return assign_real(key, value, *field);
         } else if constexpr (std::is_same_v<Field, Acting>) {
           return assign_acting(key, value, *field);
+        } else if constexpr (std::is_same_v<Field, Method>) {
+          return assign_method(key, value, *field);
         } else {
           return assign_integer(key, value, *field);
         }
@@ -141,7 +159,7 @@ ConfigValue value_of(const ConfigKey& key) {
         using Field = std::decay_t<decltype(*field)>;
         if constexpr (std::is_same_v<Field, double>) {
           return *field;
-        } else if constexpr (std::is_same_v<Field, Acting>) {
+        } else if constexpr (std::is_same_v<Field, Acting> || std::is_same_v<Field, Method>) {
           return std::string(name_of(*field));
         } else if constexpr (std::is_same_v<Field, std::uint64_t>) {
           return *field;

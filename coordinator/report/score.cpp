@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/chain/exact.hpp"
 #include "common/check.hpp"
 #include "common/tree/action_table.hpp"
 #include "common/tree/simplify.hpp"
@@ -189,6 +190,35 @@ Result<Score> score_tree(const World& world, const Chain& chain, const Tree& tre
   return score;
 }
 
+void add_exact(const Chain& chain, const Tree& tree, Score& score) {
+  const StateColumns columns(chain.vocabulary(), chain.parts().features);
+  const auto none = static_cast<std::uint8_t>(chain.actions());
+  std::vector<std::uint8_t> of_policy;
+  for (const ActionId action : chain.parts().policy) {
+    of_policy.push_back(static_cast<std::uint8_t>(action));
+  }
+  std::vector<std::uint8_t> of_tree(chain.states());
+  fill_action_table(tree, columns, none, of_tree);
+  ExactOccupancy exact(chain);
+  const auto expected = [&](const std::vector<std::uint8_t>& actions) {
+    ExpectedScore result;
+    const Occupancy& occupancy =
+        exact.over_steps({.actions = actions, .others = {}, .others_share = 0.0}, score.settings.steps);
+    for (std::size_t i = 0; i < occupancy.states.size(); ++i) {
+      const std::size_t state = occupancy.states[i];
+      const double visits = occupancy.visits[i];
+      result.agreement += actions[state] == of_policy[state] ? visits : 0.0;
+      result.reward +=
+          actions[state] == none ? 0.0 : visits * chain.mean_reward(chain.row(state, ActionId{actions[state]}));
+    }
+    result.agreement /= static_cast<double>(score.settings.steps);
+    return result;
+  };
+  // Pruning on the chain keeps the action table, so the pruned tree is the tree here.
+  const ExpectedScore tree_score = expected(of_tree);
+  score.expected = ExpectedScores{.policy = expected(of_policy), .tree = tree_score, .pruned = tree_score};
+}
+
 std::string to_text(const Score& score) {
   const std::array<const ControllerScore*, 3> controllers = {&score.policy, &score.tree, &score.pruned};
   const auto ours = [&](const auto& text_of) {
@@ -201,7 +231,7 @@ std::string to_text(const Score& score) {
   const auto over_states = [&](const ControllerScore& c) {
     return percent(static_cast<double>(c.matching_states) / static_cast<double>(score.states));
   };
-  const std::vector<Row> rows = {
+  std::vector<Row> rows = {
       {"", {"policy", "tree", "pruned tree"}, {"Q-learning", "BT", "BT adjusted"}},
       {"agreement over all states", ours(over_states), {"100 %", "66 %", "86 %"}},
       {"agreement in simulation",
@@ -217,6 +247,18 @@ std::string to_text(const Score& score) {
       {"steps in unknown states",
        ours([](const ControllerScore& c) { return fmt::format("{} of {}", c.unknown_steps, c.steps); })},
   };
+  if (score.expected) {
+    const std::array<const ExpectedScore*, 3> expected = {&score.expected->policy, &score.expected->tree,
+                                                          &score.expected->pruned};
+    Row agreement{.name = "agreement along the chain", .ours = {}};
+    Row reward{.name = "reward along the chain", .ours = {}};
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      agreement.ours[i] = fmt::format("{:.3f} % exactly", 100.0 * expected[i]->agreement);
+      reward.ours[i] = fmt::format("{:.3f} exactly", expected[i]->reward);
+    }
+    rows.push_back(std::move(agreement));
+    rows.push_back(std::move(reward));
+  }
   std::string text = fmt::format("Table IV: {} of {}, seed {}, {}; +- is a 95 % interval\n",
                                  counted(score.settings.episodes, "episode"), counted(score.settings.steps, "step"),
                                  score.settings.seed, counted(score.states, "state"));
@@ -228,7 +270,7 @@ std::string to_text(const Score& score) {
 }
 
 std::string to_json(const Score& score) {
-  const nlohmann::ordered_json json = {
+  nlohmann::ordered_json json = {
       {"world", name_of(score.world)},
       {"episodes", score.settings.episodes},
       {"steps_per_episode", score.settings.steps},
@@ -242,6 +284,14 @@ std::string to_json(const Score& score) {
       {"tree_text", score.tree_text},
       {"pruned_text", score.pruned_text},
   };
+  if (score.expected) {
+    const auto expected_json = [](const ExpectedScore& expected) {
+      return nlohmann::ordered_json{{"agreement", expected.agreement}, {"reward", expected.reward}};
+    };
+    json["exact"] = {{"policy", expected_json(score.expected->policy)},
+                     {"tree", expected_json(score.expected->tree)},
+                     {"pruned", expected_json(score.expected->pruned)}};
+  }
   return json_line(json);
 }
 

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,6 +38,18 @@ struct ControllerScore {
   std::uint64_t unknown_steps = 0;  // in states that the chain does not know
 };
 
+// Along the chain, computed instead of sampled (common/chain/exact.hpp).
+struct ExpectedScore {
+  double agreement = 0.0;  // share of the steps, in [0, 1]
+  double reward = 0.0;     // per episode: the sum of the mean rewards recorded for each (state, action)
+};
+
+struct ExpectedScores {
+  ExpectedScore policy;
+  ExpectedScore tree;
+  ExpectedScore pruned;
+};
+
 struct Score {
   WorldKind world = WorldKind::uav;
   bool thesis_room = false;  // the world is that of the thesis' figures
@@ -51,6 +64,7 @@ struct Score {
   std::size_t nodes_pruned = 0;  // after simplify() that holds in the chain's states
   std::string tree_text;
   std::string pruned_text;
+  std::optional<ExpectedScores> expected;  // by add_exact()
 };
 
 // Sums up the episodes of one controller. REQUIRES: episodes not empty.
@@ -63,6 +77,11 @@ Result<void> check_score_settings(const SimulateSettings& settings, std::string_
 // the world's; interrupted when `go_on` returned false. REQUIRES: check_tree() for the chain's vocabulary.
 Result<Score> score_tree(const World& world, const Chain& chain, const Tree& tree, const SimulateSettings& settings,
                          const SimulateProgress& go_on = {});
+
+// Adds what is expected along the chain over settings.steps steps from its initial state, which needs no simulator:
+// what the chain knows. A tree without an action holds its state and earns nothing. REQUIRES: score is of this tree on
+// this chain.
+void add_exact(const Chain& chain, const Tree& tree, Score& score);
 
 // Lines of text; beside ours the figures that the thesis prints, when the world is its room.
 std::string to_text(const Score& score);

@@ -85,6 +85,23 @@ TEST_F(RemoteEvaluation, GivesTheSerialTalliesWithFiveWorkers) {
   }
 }
 
+TEST_F(RemoteEvaluation, GivesTheSerialTalliesOfEveryMethodAndActingPolicy) {
+  const auto evaluator = open(2);
+  auto reference = SerialEvaluator::make(chain_, stop_);
+  for (const Method method : {Method::rollouts, Method::exact, Method::discounted, Method::long_run}) {
+    for (const Acting acting : {Acting::tree, Acting::policy, Acting::mixed}) {
+      Job asked = job(0);
+      asked.method = method;
+      asked.gamma = method == Method::discounted ? fixed_point_share(0.98) : 0;
+      asked.acting = acting;
+      asked.policy_share = acting == Acting::mixed ? fixed_point_share(0.3) : 0;
+      const auto tallies = evaluator->evaluate(trees_, asked);
+      ASSERT_TRUE(tallies.has_value()) << tallies.error().message;
+      EXPECT_EQ(*tallies, *(*reference)->evaluate(trees_, asked)) << name_of(method) << ", " << name_of(acting);
+    }
+  }
+}
+
 TEST_F(RemoteEvaluation, EvaluatesNothingWithoutAsking) {
   const auto evaluator = open(1);
   const auto tallies = evaluator->evaluate({}, job(0));

@@ -125,12 +125,14 @@ Job most_rules() {
 // Offsets in a task of one objective without rules and one tree; see common/wire/codec.hpp.
 constexpr std::size_t kRolloutsAt = 12;
 constexpr std::size_t kActingAt = 20;
-constexpr std::size_t kObjectivesAt = 29;
-constexpr std::size_t kKindAt = 30;
-constexpr std::size_t kRulesAt = 31;
-constexpr std::size_t kTreesAt = 32;
-constexpr std::size_t kNodesAt = 36;
-constexpr std::size_t kFirstNodeAt = 38;
+constexpr std::size_t kMethodAt = 29;
+constexpr std::size_t kGammaAt = 30;
+constexpr std::size_t kObjectivesAt = 38;
+constexpr std::size_t kKindAt = 39;
+constexpr std::size_t kRulesAt = 40;
+constexpr std::size_t kTreesAt = 41;
+constexpr std::size_t kNodesAt = 45;
+constexpr std::size_t kFirstNodeAt = 47;
 
 void write_tasks(Folder& folder) {
   const std::vector<Tree> trees = {
@@ -147,6 +149,12 @@ void write_tasks(Folder& folder) {
   longest.steps = kMaxSteps;
   longest.acting = Acting::policy;
   folder.write("longest_walks", wire::encode_task(longest, trees));
+  for (std::uint8_t method = 1; method < kMethods; ++method) {
+    Job computed = every_objective();
+    computed.method = Method{method};
+    computed.gamma = computed.method == Method::discounted ? fixed_point_share(0.95) : 0;
+    folder.write(std::string(name_of(computed.method)), wire::encode_task(computed, trees));
+  }
 
   const Bytes good = wire::encode_task(small_job(), std::vector<Tree>{tree("(sequence s3=0 move)")});
   const auto damaged = [&](const std::string& name, std::size_t at, std::uint8_t value) {
@@ -157,6 +165,8 @@ void write_tasks(Folder& folder) {
   folder.write("sequence", good);
   damaged("no_rollouts", kRolloutsAt, 0);
   damaged("acting", kActingAt, 3);
+  damaged("method", kMethodAt, kMethods);
+  damaged("gamma_without_discount", kGammaAt, 1);
   damaged("no_objectives", kObjectivesAt, 0);
   damaged("too_many_objectives", kObjectivesAt, 17);
   damaged("objective", kKindAt, kObjectiveKinds);

@@ -21,6 +21,8 @@ Job job_with_rules() {
   job.steps = 9;
   job.acting = Acting::mixed;
   job.policy_share = ~std::uint64_t{0};
+  job.method = Method::discounted;
+  job.gamma = 0xF0F1F2F3F4F5F6F7;
   job.objectives = {{ObjectiveKind::coverage, {}},
                     {ObjectiveKind::shaped,
                      {{{Node::condition(0, Op::equal, 3), Node::condition(5, Op::less_equal, 1)}, 8, -4}, {{}, 1, 0}}}};
@@ -39,6 +41,23 @@ TEST(TaskCodec, RoundTrip) {
     size += encoded_size(tree);
   }
   EXPECT_EQ(payload.size(), size);
+}
+
+TEST(TaskCodec, CarriesEveryMethodAndRefusesAnyOther) {
+  constexpr std::size_t kMethodAt = 29;
+  for (std::uint8_t method = 0; method < kMethods; ++method) {
+    Job job;
+    job.method = Method{method};
+    auto payload = encode_task(job, {});
+    EXPECT_EQ(payload[kMethodAt], method);
+    const auto task = decode_task(payload, vocabulary());
+    ASSERT_TRUE(task.has_value()) << task.error().message;
+    EXPECT_EQ(task->job, job);
+    payload[kMethodAt] = kMethods;
+    const auto refused = decode_task(payload, vocabulary());
+    ASSERT_FALSE(refused.has_value());
+    EXPECT_EQ(refused.error().message, "method 4 is unknown");
+  }
 }
 
 TEST(TaskCodec, RefusesEveryTruncationAndEverySurplus) {

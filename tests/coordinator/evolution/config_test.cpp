@@ -20,7 +20,7 @@ EvolveConfig unusual_config() {
   EvolveConfig config;
   config.seed = std::numeric_limits<std::uint64_t>::max();
   config.ga = {7, 8, 0.1, 1.0 / 3.0, 0.7, 1e-17, 9, 2, 0};
-  config.rollout = {11, 12, 13, Acting::mixed, 0.123456789012345678};
+  config.rollout = {11, 12, 13, Acting::mixed, 0.123456789012345678, Method::discounted, 0.987654321};
   config.fitness = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 8.5, 0.9, {{{"a=0", "d<=2"}, 8, -4}, {{}, 1, 0}}};
   return config;
 }
@@ -38,6 +38,7 @@ TEST(Config, DefaultsAreTableIIIOfTheThesis) {
   EXPECT_EQ(config.rollout.rollouts, 5U);
   EXPECT_EQ(config.rollout.steps, 100U);
   EXPECT_EQ(config.rollout.acting, Acting::tree);
+  EXPECT_EQ(config.rollout.method, Method::rollouts);
 }
 
 TEST(Config, TheExampleFileStatesTheDefaults) {
@@ -108,6 +109,9 @@ TEST(Config, TomlErrorsNameFileLineKeyAndWhatWasExpected) {
       {"[fitness]\nreturn = inf\n", {"line 2: fitness.return is inf: expected a number from 0 to 1000000"}},
       {"[rollout]\nacting = \"trees\"\n",
        {"line 2: rollout.acting is \"trees\": expected \"tree\", \"policy\" or \"mixed\""}},
+      {"[rollout]\nmethod = \"exactly\"\n",
+       {"line 2: rollout.method is \"exactly\": expected \"rollouts\", \"exact\", \"discounted\" or \"long_run\""}},
+      {"[rollout]\ngamma = 1.0\n", {"line 2: rollout.gamma is 1: expected a number from 0 to 0.999999"}},
       {"ga = 3\n", {"line 1: ga is", "expected a table [ga]"}},
       {"[fitness]\nrule = 3\n", {"line 2: fitness.rule: expected tables [[fitness.rule]]"}},
       {"[[fitness.rule]]\nany_of = \"a=0\"\n", {"line 2: fitness.rule.any_of: expected a list of conditions"}},
@@ -219,6 +223,22 @@ TEST(Config, IsCheckedAsAWhole) {
             std::string::npos);
   EXPECT_NE(message([](EvolveConfig& c) { c.fitness.rules.resize(33); }).find("33 rules: expected at most 32"),
             std::string::npos);
+}
+
+TEST(Config, TheMethodAndItsGammaReachTheJob) {
+  EvolveConfig config;
+  config.rollout.gamma = 0.5;
+  EXPECT_EQ(job_of(config, {Objective{}}, 3).gamma, 0U) << "the same job whatever an unused key says";
+  ASSERT_TRUE(apply_setting("rollout.method=long_run", config).has_value());
+  EXPECT_EQ(job_of(config, {Objective{}}, 3).method, Method::long_run);
+  EXPECT_EQ(job_of(config, {Objective{}}, 3).gamma, 0U);
+  ASSERT_TRUE(apply_setting("rollout.method=discounted", config).has_value());
+  EXPECT_EQ(job_of(config, {Objective{}}, kFinalGeneration).method, Method::discounted);
+  EXPECT_EQ(job_of(config, {Objective{}}, 3).gamma, std::uint64_t{1} << 63U);
+  EXPECT_EQ(job_of(config, {Objective{}}, 3), job_of(config, {Objective{}}, kFinalGeneration));
+  config.rollout.steps = kMaxSteps;
+  EXPECT_TRUE(check_config(config, small_vocabulary()).has_value()) << "what is not walked has no limit to walks";
+  EXPECT_TRUE(check_job(job_of(config, {Objective{}}, kFinalGeneration)).has_value());
 }
 
 TEST(Config, AMixedShareIsFixedPoint) {

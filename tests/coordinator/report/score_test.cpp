@@ -113,6 +113,20 @@ TEST_F(WindyScore, TextHasColumnsThatNeverTouch) {
   EXPECT_NE(to_text(room).find("| 3123 entries  6 nodes  20 nodes"), std::string::npos) << to_text(room);
 }
 
+TEST_F(WindyScore, WhatIsExpectedAlongTheChainIsAddedWhenAsked) {
+  Score result = score("right", {.episodes = 3, .steps = 4, .seed = 1});
+  EXPECT_EQ(to_text(result).find("along the chain"), to_text(result).npos);
+  EXPECT_FALSE(nlohmann::json::parse(to_json(result)).contains("exact"));
+  add_exact(chain_, *parse_tree("right", chain_.vocabulary()), result);
+  ASSERT_TRUE(result.expected.has_value());
+  // Nothing was tried: after the first step a third of the walks is in each state, in two of which the tree agrees.
+  EXPECT_NEAR(result.expected->tree.agreement, (1.0 + 3.0 * 2.0 / 3.0) / 4.0, 1e-15);
+  EXPECT_NEAR(result.expected->policy.agreement, 1.0, 1e-15);
+  EXPECT_EQ(result.expected->tree.reward, 0.0);
+  EXPECT_NE(to_text(result).find("75.000 % exactly"), std::string::npos) << to_text(result);
+  EXPECT_NEAR(nlohmann::json::parse(to_json(result))["exact"]["tree"]["agreement"].get<double>(), 0.75, 1e-15);
+}
+
 TEST_F(WindyScore, StopsBetweenEpisodes) {
   int asked = 0;
   const auto stopped = score_tree(world_, chain_, Tree(ActionId{0}), {.episodes = 50, .steps = 4, .seed = 1},

@@ -61,6 +61,43 @@ TEST_F(Evaluate, AFileAndAPipeAndWorkersGiveTheSameBytes) {
   EXPECT_EQ(evaluate({"evaluate", "study.coppice", "--workers", "2"}, trees), piped);
 }
 
+TEST_F(Evaluate, WhatIsComputedNeedsNoWalksAndIsTheSameOnWorkers) {
+  const std::string trees = kWallTree + "\nmove\n";
+  const auto values = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"evaluate", "study.coppice", "--objective",
+                                          "return",   "--objective",   "coverage"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return answers(arguments, trees);
+  };
+  for (const std::vector<std::string>& method :
+       {std::vector<std::string>{"--exact"}, {"--discounted", "0.95"}, {"--long-run"}}) {
+    const auto with = [&](std::vector<std::string> more) {
+      more.insert(more.end(), method.begin(), method.end());
+      return values(more);
+    };
+    const auto serial = with({"--serial", "--steps", "50"});
+    ASSERT_EQ(serial.size(), 2U);
+    EXPECT_EQ(serial, with({"--workers", "2", "--steps", "50", "--seed", "8"})) << method[0];
+    EXPECT_NE(serial[0], serial[1]) << method[0];
+    EXPECT_FALSE(serial[0]["objectives"]["coverage"].contains("per_step"));
+  }
+  const auto exact = values({"--serial", "--exact", "--steps", "50"});
+  const auto walked = values({"--serial", "--rollouts", "20000", "--steps", "50"});
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    EXPECT_NEAR(exact[i]["agreement"].get<double>(), walked[i]["agreement"].get<double>(), 0.01);
+    EXPECT_NEAR(exact[i]["objectives"]["return"]["per_step"].get<double>(),
+                walked[i]["objectives"]["return"]["per_step"].get<double>(), 0.05);
+  }
+  const auto score = coppice_json(
+      {"score", "study.coppice", "--exact", "--steps", "50", "--episodes", "2", "--tree", kWallTree, "--json"});
+  EXPECT_NEAR(score["exact"]["tree"]["agreement"].get<double>(), exact[0]["agreement"].get<double>(), 1e-6);
+  EXPECT_NEAR(score["exact"]["tree"]["reward"].get<double>(),
+              50 * exact[0]["objectives"]["return"]["per_step"].get<double>(), 1e-3);
+  EXPECT_NEAR(score["exact"]["policy"]["agreement"].get<double>(), 1.0, 1e-12);
+  expect_wrong_use({"evaluate", "study.coppice", "--serial", "--discounted", "1"}, {"--discounted", "0.999999"});
+  expect_wrong_use({"evaluate", "study.coppice", "--serial", "--exact", "--long-run"}, {"--exact", "--long-run"});
+}
+
 TEST_F(Evaluate, SeedAndGenerationNameTheWalks) {
   const auto matches = [&](const char* seed, const char* generation) {
     return answers({"evaluate", "study.coppice", "--serial", "--rollouts", "50", "--seed", seed, "--generation",

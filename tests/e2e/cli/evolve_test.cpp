@@ -45,6 +45,21 @@ TEST_F(Evolve, WorkersEndWithTheTreeAndTheFiguresOfTheSerialRun) {
   EXPECT_EQ(serial, workers);
 }
 
+TEST_F(Evolve, WorkersEndWithTheFiguresOfTheSerialRunByEveryMethodThatComputes) {
+  for (const char* method : {"exact", "discounted", "long_run"}) {
+    const std::string setting = std::string("rollout.method=") + method;
+    auto serial = coppice_json(small({"--serial", "--json", "--set", setting}));
+    auto workers = coppice_json(small({"--workers", "2", "--json", "--set", setting}));
+    for (auto* report : {&serial, &workers}) {
+      for (const char* differs : {"run", "evaluator", "seconds", "dispatch"}) {
+        EXPECT_EQ(report->erase(differs), 1U) << differs;
+      }
+    }
+    EXPECT_EQ(serial, workers) << method;
+    EXPECT_GT(serial["final_steps"], 8'000'000) << method;
+  }
+}
+
 TEST_F(Evolve, TheSeedOfTheCommandLineWinsOverTheFile) {
   write("small.toml", "seed = 8\n[ga]\ngenerations = 2\npopulation = 10\n");
   EXPECT_EQ(coppice_json({"evolve", "study.coppice", "--serial", "--config", "small.toml", "--json"})["seed"], 8);

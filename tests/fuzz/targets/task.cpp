@@ -34,6 +34,7 @@ void evaluate(const wire::DecodedTask& task) {
     const Tally tally = evaluation.evaluate(task.trees[i]);
     COPPICE_CHECK(tally.nodes == task.trees[i].size() && tally.matches <= tally.steps);
     COPPICE_CHECK(tally.scores.size() == task.job.objectives.size());
+    COPPICE_CHECK(tally == evaluation.evaluate(task.trees[i]));
   }
 }
 

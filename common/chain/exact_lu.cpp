@@ -1,0 +1,58 @@
+#include "common/chain/exact_lu.hpp"
+
+#include <Eigen/KLUSupport>
+#include <Eigen/SparseCore>
+#include <new>
+
+#include "common/check.hpp"
+
+namespace coppice {
+namespace {
+
+using Matrix = Eigen::SparseMatrix<double>;
+
+}  // namespace
+
+struct SparseLu::Klu : Eigen::KLU<Matrix> {
+  Klu() {
+    // The block triangular form would pair rows and columns off the diagonal: measured on a learned chain of 1041
+    // states, its solutions are off by 1e-10, without it by less than 1e-13, for 0.8 times the time. So would scaling.
+    kluCommon().btf = 0;
+    kluCommon().scale = 0;
+  }
+  double entries_expected() const { return m_symbolic->lnz + m_symbolic->unz; }
+};
+
+SparseLu::SparseLu() : klu_(std::make_unique<Klu>()) {}
+SparseLu::~SparseLu() = default;
+
+bool SparseLu::factorise(const SparseColumns& matrix) {
+  if (static_cast<double>(matrix.row.size()) > kMaxFactorEntries) {
+    return false;
+  }
+  const auto columns = static_cast<Eigen::Index>(matrix.begin.size() - 1);
+  const Eigen::Map<const Matrix> mapped(columns, columns, static_cast<Eigen::Index>(matrix.row.size()),
+                                        matrix.begin.data(), matrix.row.data(), matrix.value.data());
+  klu_->analyzePattern(mapped);
+  if (klu_->kluCommon().status == KLU_OUT_OF_MEMORY) {
+    throw std::bad_alloc();
+  }
+  COPPICE_CHECK(klu_->info() == Eigen::Success);
+  if (klu_->entries_expected() > kMaxFactorEntries) {
+    return false;
+  }
+  klu_->factorize(mapped);
+  if (klu_->kluCommon().status == KLU_OUT_OF_MEMORY) {
+    throw std::bad_alloc();
+  }
+  return klu_->info() == Eigen::Success && klu_->kluCommon().status == KLU_OK;
+}
+
+void SparseLu::solve(std::vector<double>& b) const {
+  Eigen::Map<Eigen::VectorXd> mapped(b.data(), static_cast<Eigen::Index>(b.size()));
+  const Eigen::VectorXd x = klu_->solve(mapped);
+  COPPICE_CHECK(klu_->info() == Eigen::Success);
+  mapped = x;
+}
+
+}  // namespace coppice

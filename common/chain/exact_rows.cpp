@@ -1,0 +1,106 @@
+#include "common/chain/exact_rows.hpp"
+
+#include <algorithm>
+
+#include "common/check.hpp"
+
+namespace coppice {
+namespace {
+
+constexpr std::uint32_t kUnknown = 0xFFFFFFFF;
+
+}  // namespace
+
+ReachedRows::ReachedRows(const Chain& chain) : chain_(chain), numbers_(chain.states(), kUnknown) {}
+
+void ReachedRows::begin(const ActingTables& acting) {
+  COPPICE_CHECK(acting.actions.size() == chain_.states());
+  COPPICE_CHECK(acting.others_share == 0.0 || acting.others.size() == chain_.states());
+  acting_ = acting;
+  for (const std::uint32_t state : states_) {
+    numbers_[state] = kUnknown;
+  }
+  states_.clear();
+  begin_.assign(1, 0);
+  transitions_.clear();
+  uniform_.clear();
+  number_of(chain_.initial_state());
+}
+
+std::uint32_t ReachedRows::number_of(std::uint32_t state) {
+  if (numbers_[state] == kUnknown) {
+    numbers_[state] = static_cast<std::uint32_t>(states_.size());
+    states_.push_back(state);
+  }
+  return numbers_[state];
+}
+
+void ReachedRows::discover_all() {
+  for (std::uint32_t state = 0; state < chain_.states() && states_.size() < chain_.states(); ++state) {
+    number_of(state);
+  }
+}
+
+void ReachedRows::add(std::uint32_t to, double probability) { transitions_.push_back({to, probability}); }
+
+void ReachedRows::add_action(std::uint32_t state, std::uint8_t action, double share) {
+  if (share == 0.0) {
+    return;
+  }
+  if (action == chain_.actions()) {
+    add(number_of(state), share);
+    return;
+  }
+  const std::size_t row = std::size_t{state} * chain_.actions() + action;
+  const auto tries = static_cast<double>(chain_.tries(row));
+  if (chain_.tries(row) == 0) {
+    uniform_.back() += share;
+    return;
+  }
+  const auto successors = chain_.successors(row);
+  const auto counts = chain_.counts(row);
+  for (std::size_t i = 0; i < successors.size(); ++i) {
+    add(number_of(successors[i]), share * (static_cast<double>(counts[i]) / tries));
+  }
+}
+
+void ReachedRows::expand(std::size_t rows) {
+  COPPICE_CHECK(rows <= states_.size());
+  while (uniform_.size() < rows) {
+    const std::uint32_t state = states_[uniform_.size()];
+    uniform_.push_back(0.0);
+    const std::uint8_t action = acting_.actions[state];
+    if (acting_.others_share == 0.0 || acting_.others[state] == action) {
+      add_action(state, action, 1.0);
+    } else {
+      add_action(state, action, 1.0 - acting_.others_share);
+      add_action(state, acting_.others[state], acting_.others_share);
+      // The two actions may share successors: one transition each.
+      const auto first = transitions_.begin() + static_cast<std::ptrdiff_t>(begin_.back());
+      std::sort(first, transitions_.end(), [](const Transition& a, const Transition& b) {
+        return a.to != b.to ? a.to < b.to : a.probability < b.probability;
+      });
+      auto kept = first;
+      for (auto next = first; next != transitions_.end(); ++next) {
+        if (kept != first && (kept - 1)->to == next->to) {
+          (kept - 1)->probability += next->probability;
+        } else {
+          *kept++ = *next;
+        }
+      }
+      transitions_.erase(kept, transitions_.end());
+    }
+    begin_.push_back(transitions_.size());
+  }
+}
+
+void ReachedRows::expand_all() {
+  while (uniform_.size() < states_.size()) {
+    expand(uniform_.size() + 1);
+    if (uniform_.back() > 0.0) {
+      discover_all();
+    }
+  }
+}
+
+}  // namespace coppice
