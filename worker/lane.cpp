@@ -4,11 +4,14 @@
 #include <chrono>
 #include <iterator>
 #include <spdlog/spdlog.h>
+#include <sys/prctl.h>
 
 namespace coppice {
 namespace {
 
 constexpr std::chrono::seconds kIdleWait{1};
+constexpr unsigned long kTimerSlackNs = 1000;     // of a paced lane: 50 us, the system's, would be felt at 500 us
+constexpr std::chrono::milliseconds kMostLag{5};  // that a paced lane makes up for: late timers, not late tasks
 
 void answer(const WorkerState& state, const wire::Task& task, coppice_wire_Outcome outcome,
             std::span<const std::uint8_t> payload, std::chrono::nanoseconds elapsed,
@@ -31,6 +34,19 @@ void answer(const WorkerState& state, const wire::Task& task, coppice_wire_Outco
 std::vector<std::uint8_t> as_bytes(const std::string& text) { return {text.begin(), text.end()}; }
 
 }  // namespace
+
+void WorkerState::leave() {
+  {
+    const std::lock_guard lock(mutex_);
+    leaving = true;
+  }
+  left_.notify_all();
+}
+
+bool WorkerState::rest_until(std::chrono::steady_clock::time_point time) {
+  std::unique_lock lock(mutex_);
+  return !left_.wait_until(lock, time, [this] { return leaving.load(); });
+}
 
 void give_back(const WorkerState& state, const wire::Task& task, wire::Writer<wire::Answer>& answers) {
   answer(state, task, coppice_wire_GIVEN_BACK, {}, std::chrono::nanoseconds(0), answers);
@@ -61,6 +77,10 @@ Lane::~Lane() {
 }
 
 void Lane::run() {
+  if (state_.pace.count() > 0) {
+    prctl(PR_SET_TIMERSLACK, kTimerSlackNs);
+  }
+  free_ = Clock::now();
   while (!state_.leaving) {
     const std::size_t taken = tasks_.take(1, [this](const wire::Task& task, const dds_sample_info_t& info) {
       if (info.valid_data) {
@@ -69,6 +89,7 @@ void Lane::run() {
     });
     if (taken == 0) {
       waiter_.wait(kIdleWait);
+      free_ = Clock::now();
     }
   }
 }
@@ -78,41 +99,56 @@ void Lane::take_one(const wire::Task& task) {
   if (task.protocol != state_.protocol || (run_id != 0 && task.run_id != run_id)) {
     return;  // of a coordinator that another has followed: nobody waits for it
   }
-  const auto begin = std::chrono::steady_clock::now();
   const Outcome outcome = evaluate(task);
-  answer(state_, task, outcome.kind, outcome.payload, std::chrono::steady_clock::now() - begin, answers_);
+  answer(state_, task, outcome.kind, outcome.payload, outcome.elapsed, answers_);
 }
 
 Lane::Outcome Lane::evaluate(const wire::Task& task) {
   const auto chain = state_.chains.find(wire::from_wire(task.chain));
   if (chain == nullptr) {
-    return {coppice_wire_CHAIN_UNKNOWN, {}};
+    return {coppice_wire_CHAIN_UNKNOWN, {}, {}};
   }
   const auto decoded = wire::decode_task(wire::view(task.payload), chain->chain().vocabulary());
   if (!decoded) {
     spdlog::warn("refused a task: {}", decoded.error().message);
-    return {coppice_wire_REFUSED, as_bytes(decoded.error().message)};
+    return {coppice_wire_REFUSED, as_bytes(decoded.error().message), {}};
   }
   if (auto ok = prepare(chain, decoded->job); !ok) {
-    return {coppice_wire_REFUSED, as_bytes(ok.error().message)};
+    return {coppice_wire_REFUSED, as_bytes(ok.error().message), {}};
   }
+  const auto begin = state_.pace.count() > 0 ? free_ : Clock::now();
   std::vector<Tally> tallies;
   tallies.reserve(decoded->trees.size());
   const std::span<const Tree> trees = decoded->trees;
+  const std::size_t at_once = state_.pace.count() > 0 ? 1 : evaluation_->trees_per_pass();
   while (tallies.size() < trees.size()) {
     if (state_.leaving) {
-      return {coppice_wire_GIVEN_BACK, {}};
+      return {coppice_wire_GIVEN_BACK, {}, {}};
     }
-    const std::size_t count = std::min<std::size_t>(evaluation_->trees_per_pass(), trees.size() - tallies.size());
+    const std::size_t count = std::min<std::size_t>(at_once, trees.size() - tallies.size());
     auto some = evaluation_->evaluate(trees.subspan(tallies.size(), count));
     std::move(some.begin(), some.end(), std::back_inserter(tallies));
+    if (!pass_time(begin, tallies.size())) {
+      return {coppice_wire_GIVEN_BACK, {}, {}};
+    }
     state_.evaluated.fetch_add(count, std::memory_order_relaxed);
   }
   auto payload = wire::encode_tallies(tallies);
   if (payload.size() > wire::kMaxTaskPayload) {
-    return {coppice_wire_REFUSED, as_bytes("the answer would be larger than the contract allows")};
+    return {coppice_wire_REFUSED, as_bytes("the answer would be larger than the contract allows"), {}};
   }
-  return {coppice_wire_EVALUATED, std::move(payload)};
+  return {coppice_wire_EVALUATED, std::move(payload), Clock::now() - begin};
+}
+
+// A paced lane keeps to a schedule: a timer that fires late delays one individual, not all that follow it.
+bool Lane::pass_time(Clock::time_point begin, std::size_t individuals) {
+  if (state_.pace.count() == 0) {
+    return true;
+  }
+  const auto due = begin + state_.pace * static_cast<std::int64_t>(individuals);
+  const auto now = Clock::now();
+  free_ = std::max(due, now - kMostLag);
+  return due <= now || state_.rest_until(due);
 }
 
 Result<void> Lane::prepare(const std::shared_ptr<const PreparedChain>& chain, const Job& job) {

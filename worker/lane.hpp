@@ -2,8 +2,11 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <thread>
 
@@ -24,7 +27,18 @@ struct WorkerState {
   std::atomic<std::uint64_t> run_id{0};     // of the coordinator served; 0: none
   std::atomic<std::uint64_t> evaluated{0};  // individuals
   std::atomic<bool> leaving{false};
+  // What an individual takes at least, on average over a batch: it is evaluated, then the lane rests, so that many
+  // workers can be tried on few cores. 0: as long as it takes.
+  std::chrono::nanoseconds pace{0};
   ChainStore chains;
+
+  void leave();  // from now on
+  // Sleeps. False: leaving, before the time has come.
+  bool rest_until(std::chrono::steady_clock::time_point time);
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable left_;
 };
 
 class Lane {
@@ -41,6 +55,8 @@ class Lane {
   void wake() const { waiter_.wake(); }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   Lane(WorkerState& state, wire::Waiter waiter, const wire::Reader<wire::Task>& tasks,
        wire::Writer<wire::Answer>& answers);
 
@@ -50,8 +66,10 @@ class Lane {
   struct Outcome {
     coppice_wire_Outcome kind = coppice_wire_REFUSED;
     std::vector<std::uint8_t> payload;
+    std::chrono::nanoseconds elapsed{0};  // evaluating
   };
   Outcome evaluate(const wire::Task& task);
+  bool pass_time(Clock::time_point begin, std::size_t individuals);
   Result<void> prepare(const std::shared_ptr<const PreparedChain>& chain, const Job& job);
 
   WorkerState& state_;
@@ -60,6 +78,7 @@ class Lane {
   wire::Writer<wire::Answer>& answers_;
   std::shared_ptr<const PreparedJob> job_;  // of the last task: the next one usually has the same
   std::optional<Evaluation> evaluation_;
+  Clock::time_point free_;  // since when it could have begun the next task
   std::thread thread_;
 };
 

@@ -8,10 +8,12 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
+#include "common/duration.hpp"
 #include "common/stop.hpp"
 #include "common/version.hpp"
 #include "common/wire/configuration.hpp"
 #include "common/wire/topics.hpp"
+#include "worker/echo.hpp"
 #include "worker/serve.hpp"
 
 namespace {
@@ -32,6 +34,8 @@ int run(int argc, char** argv) {
   options.protocol = coppice::wire::kProtocolVersion;
   pid_t parent = 0;
   std::string log_level = "info";
+  std::string pace;
+  bool echoes = false;
   app.set_version_flag(
       "--version", fmt::format("coppice-worker {} (protocol {})", coppice::kVersion, coppice::wire::kProtocolVersion));
   app.add_option("--coordinator", options.coordinator, "Host of the coordinator")->capture_default_str();
@@ -41,11 +45,19 @@ int run(int argc, char** argv) {
   app.add_option("--threads", options.threads, "Evaluating threads")
       ->check(CLI::Range(1U, kMaxThreads))
       ->capture_default_str();
+  app.add_option("--pace", pace,
+                 "Take at least so long for each individual: evaluate it, then rest. For capacity planning, many "
+                 "workers on few cores; results are the same")
+      ->type_name("DURATION");
+  app.add_flag("--echo", echoes, "Answer every task at once, for the bare transport in 'coppice bench'")->group("");
   app.add_option("--log-level", log_level, "What to log to stderr")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
       ->capture_default_str();
   app.add_option("--parent", parent, "Exit when this process, which must be the parent, dies");
-  app.footer("Example: coppice-worker --coordinator 192.0.2.7 --domain 3 --threads 8");
+  app.footer(
+      "Examples:\n"
+      "  coppice-worker --coordinator 192.0.2.7 --domain 3 --threads 8\n"
+      "  coppice-worker --pace 2ms");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -54,6 +66,14 @@ int run(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("coppice-worker"));
   spdlog::set_pattern("%n: %v");
   spdlog::set_level(spdlog::level::from_str(log_level));
+  if (!pace.empty()) {
+    const auto duration = coppice::duration_of(pace);
+    if (!duration) {
+      spdlog::error("--pace: {}", duration.error().message);
+      return kWrongUse;
+    }
+    options.pace = *duration;
+  }
   if (parent != 0 && !follow_parent(parent)) {
     return 0;
   }
@@ -61,7 +81,7 @@ int run(int argc, char** argv) {
   coppice::StopFlag stop;
   const coppice::StopOnSignals signals(stop);
   coppice::wire::route_dds_log([](const char* line) { spdlog::debug("dds: {}", line); });
-  const auto outcome = coppice::serve(options, stop);
+  const auto outcome = echoes ? coppice::echo(options, stop) : coppice::serve(options, stop);
   if (!outcome) {
     spdlog::error("{}", outcome.error().message);
     return outcome.error().kind == coppice::ErrorKind::bad_input ? kWrongUse : 1;

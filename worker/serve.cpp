@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <memory>
 #include <optional>
-#include <random>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 #include <vector>
@@ -24,12 +23,6 @@ constexpr std::int64_t kFarewellMs = 1000;  // for the coordinator to receive th
 constexpr std::size_t kMostPerTake = 256;
 constexpr int kMostFailedChains = 3;
 static_assert(ChainStore::kMaxChains <= coppice_wire_MAX_CHAINS_HELD);
-
-std::uint64_t random_identity() {
-  std::random_device device;
-  const std::uint64_t high = device();
-  return high << 32U | device() | 1U;  // never 0
-}
 
 class Server {
  public:
@@ -93,7 +86,7 @@ Result<std::unique_ptr<Server>> Server::open(const ServeOptions& options) {
   if (!participant) {
     return tl::unexpected(participant.error());
   }
-  const std::uint64_t identity = random_identity();
+  const std::uint64_t identity = wire::random_identity();
   const std::string partition = wire::partition_of(identity);
   auto waiter = wire::Waiter::make(*participant);
   auto controls = wire::Reader<wire::Control>::make(*participant);
@@ -121,6 +114,7 @@ Result<std::unique_ptr<Server>> Server::open(const ServeOptions& options) {
                                             std::move(*answers), std::move(*requests)));
   server->state_.worker = identity;
   server->state_.protocol = options.protocol;
+  server->state_.pace = options.pace;
   if (auto ok = server->start_lanes(); !ok) {
     return tl::unexpected(ok.error());
   }
@@ -131,7 +125,7 @@ Result<void> Server::start_lanes() {
   for (std::uint32_t i = 0; i < options_.threads; ++i) {
     auto lane = Lane::start(state_, participant_, tasks_, answers_);
     if (!lane) {
-      state_.leaving = true;
+      state_.leave();
       return tl::unexpected(lane.error());
     }
     lanes_.push_back(std::move(*lane));
@@ -295,7 +289,7 @@ void Server::say_hello() {
 
 // Each lane finishes the individual that it is at.
 void Server::stop_lanes() {
-  state_.leaving = true;
+  state_.leave();
   for (const auto& lane : lanes_) {
     lane->wake();
   }

@@ -2,6 +2,7 @@
 // do the evaluating, each in a thread of its own.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 
@@ -14,7 +15,8 @@ struct ServeOptions {
   std::string coordinator = "127.0.0.1";
   std::uint32_t domain = 0;
   std::uint32_t threads = 1;
-  std::uint32_t protocol = 0;  // what this program speaks; coordinators that speak another are refused
+  std::chrono::nanoseconds pace{0};  // see WorkerState
+  std::uint32_t protocol = 0;        // what this program speaks; coordinators that speak another are refused
   std::string version;
 };
 

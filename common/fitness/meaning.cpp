@@ -1,7 +1,10 @@
 #include "common/fitness/meaning.hpp"
 
-#include <vector>
+#include <unordered_map>
 #include <xxhash.h>
+
+#include "common/chain/alias_rows.hpp"
+#include "common/tree/action_table.hpp"
 
 namespace coppice {
 
@@ -20,6 +23,33 @@ Meaning meaning_of(const Tree& tree) {
                                static_cast<std::uint8_t>(node.extent), static_cast<std::uint8_t>(node.extent >> 8U)});
   }
   return meaning_of(bytes);
+}
+
+Meanings::Meanings(const Chain& chain) {
+  if (AliasRows::fits(chain)) {
+    columns_.emplace(chain.vocabulary(), chain.parts().features);
+    actions_.resize(chain.states());
+  }
+}
+
+Meaning Meanings::of(const Tree& tree) {
+  if (!columns_) {
+    return meaning_of(tree);
+  }
+  constexpr std::uint8_t kNone = 0xFF;
+  fill_action_table(tree, *columns_, kNone, actions_);
+  return meaning_of(actions_);
+}
+
+std::vector<std::uint32_t> Meanings::firsts(std::span<const Tree> trees) {
+  std::unordered_map<Meaning, std::uint32_t, MeaningHash> met;
+  met.reserve(trees.size());
+  std::vector<std::uint32_t> firsts;
+  firsts.reserve(trees.size());
+  for (const Tree& tree : trees) {
+    firsts.push_back(met.emplace(of(tree), static_cast<std::uint32_t>(firsts.size())).first->second);
+  }
+  return firsts;
 }
 
 }  // namespace coppice

@@ -4,8 +4,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <vector>
 
+#include "common/chain/chain.hpp"
+#include "common/tree/state_columns.hpp"
 #include "common/tree/tree.hpp"
 
 namespace coppice {
@@ -25,5 +29,21 @@ struct MeaningHash {
 Meaning meaning_of(std::span<const std::uint8_t> action_table);
 // By the nodes alone, where no action table is made: equal trees, not equal meanings.
 Meaning meaning_of(const Tree& tree);
+
+// The meanings of trees that are not evaluated here. Scratch memory of one thread.
+class Meanings {
+ public:
+  // By action tables wherever PreparedChain has tables.
+  explicit Meanings(const Chain& chain);
+
+  // REQUIRES: check_tree(tree, vocabulary of the chain).
+  Meaning of(const Tree& tree);
+  // For each tree the index of the first one that means the same: its own, if there is none before it.
+  std::vector<std::uint32_t> firsts(std::span<const Tree> trees);
+
+ private:
+  std::optional<StateColumns> columns_;
+  std::vector<std::uint8_t> actions_;  // [states]
+};
 
 }  // namespace coppice

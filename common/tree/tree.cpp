@@ -1,6 +1,7 @@
 #include "common/tree/tree.hpp"
 
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
 
 #include "common/check.hpp"
@@ -41,17 +42,18 @@ Result<Tree> Tree::from_nodes(std::vector<Node> nodes) {
     return bad_input(
         fmt::format("tree's root spans {} nodes of {}: expected one tree", nodes.front().extent, nodes.size()));
   }
-  std::vector<std::size_t> open;
+  std::array<std::size_t, kMaxTreeDepth + 1> open;  // ends of the composites around node i
+  std::size_t depth = 0;                            // how many they are
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const Node& node = nodes[i];
-    while (!open.empty() && open.back() <= i) {
-      open.pop_back();
+    while (depth > 0 && open[depth - 1] <= i) {
+      --depth;
     }
     const std::size_t end = i + node.extent;
-    if (node.extent == 0 || end > (open.empty() ? nodes.size() : open.back())) {
+    if (node.extent == 0 || end > (depth == 0 ? nodes.size() : open[depth - 1])) {
       return bad_input(fmt::format("node {} spans {} nodes, which leaves its parent", i, node.extent));
     }
-    if (open.size() > kMaxTreeDepth) {
+    if (depth > kMaxTreeDepth) {
       return bad_input(fmt::format("tree is deeper than {} edges at node {}", kMaxTreeDepth, i));
     }
     if (node.is_leaf() && node.extent != 1) {
@@ -61,7 +63,7 @@ Result<Tree> Tree::from_nodes(std::vector<Node> nodes) {
       return bad_input(fmt::format("node {} is a composite without children: expected 1 or more", i));
     }
     if (node.is_composite()) {
-      open.push_back(end);
+      open[depth++] = end;
     }
   }
   return Tree(std::move(nodes));
@@ -121,7 +123,8 @@ Result<void> check_tree(const Tree& tree, const Vocabulary& vocabulary) {
       return bad_input(fmt::format("node {}: feature '{}' does not admit operator '{}'", i, feature.name,
                                    node.op == Op::equal ? "=" : "<="));
     }
-    if (!std::binary_search(feature.values.begin(), feature.values.end(), node.value)) {
+    // Linear: features have few values, and this is done for every condition that travels.
+    if (std::find(feature.values.begin(), feature.values.end(), node.value) == feature.values.end()) {
       return bad_input(fmt::format("node {}: feature '{}' never reads {}: expected one of {}", i, feature.name,
                                    node.value, fmt::join(feature.values, ", ")));
     }

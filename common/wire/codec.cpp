@@ -27,25 +27,34 @@ void put_node(const Node& node, ByteWriter& writer) {
   }
 }
 
-Result<Node> get_node(ByteReader& reader) {
+// False: the tag is unknown; `node` then holds it as its value.
+bool get_node(ByteReader& reader, Node& node) {
   const auto tag = reader.get<std::uint8_t>();
   const auto kind = static_cast<NodeKind>(tag & kKindMask);
   const unsigned op = tag >> kOpShift;
   if (op > 1 || (op == 1 && kind != NodeKind::condition)) {
-    return bad_input(fmt::format("node tag {} is unknown", tag));
+    node.value = tag;
+    return false;
   }
   switch (kind) {
     case NodeKind::sequence:
     case NodeKind::selector:
-      return Node::composite(kind, reader.get<std::uint16_t>());
+      node = Node::composite(kind, reader.get<std::uint16_t>());
+      break;
     case NodeKind::condition: {
       const auto feature = reader.get<std::uint8_t>();
-      return Node::condition(feature, static_cast<Op>(op), reader.get<std::uint8_t>());
+      node = Node::condition(feature, static_cast<Op>(op), reader.get<std::uint8_t>());
+      break;
     }
     case NodeKind::action:
+      node = Node::action(ActionId{reader.get<std::uint8_t>()});
       break;
   }
-  return Node::action(ActionId{reader.get<std::uint8_t>()});
+  return true;
+}
+
+tl::unexpected<Error> unknown_node(const Node& node) {
+  return bad_input(fmt::format("node tag {} is unknown: expected 0 to 3, or 6", node.value));
 }
 
 void put_job(const Job& job, ByteWriter& writer) {
@@ -87,11 +96,11 @@ Result<std::vector<ShapedRule>> get_rules(ByteReader& reader) {
       return bad_input(fmt::format("rule has {} conditions: expected at most {}", conditions, kMaxShapedConditions));
     }
     for (std::uint8_t j = 0; j < conditions; ++j) {
-      const auto node = get_node(reader);
-      if (!node) {
-        return tl::unexpected(node.error());
+      Node node;
+      if (!get_node(reader, node)) {
+        return unknown_node(node);
       }
-      rule.any_of.push_back(*node);
+      rule.any_of.push_back(node);
     }
     rules.push_back(std::move(rule));
   }
@@ -149,11 +158,11 @@ Result<Tree> get_tree(ByteReader& reader, const Vocabulary& vocabulary) {
   std::vector<Node> nodes;
   nodes.reserve(std::min<std::size_t>(count, reader.left()));
   for (std::uint16_t i = 0; i < count && reader.ok(); ++i) {
-    const auto node = get_node(reader);
-    if (!node) {
-      return tl::unexpected(node.error());
+    Node node;
+    if (!get_node(reader, node)) {
+      return unknown_node(node);
     }
-    nodes.push_back(*node);
+    nodes.push_back(node);
   }
   if (!reader.ok()) {
     return bad_input("tree is cut short");
@@ -183,6 +192,11 @@ std::vector<std::uint8_t> encode_task(const Job& job, std::span<const Tree> tree
   ByteWriter writer;
   put_job(job, writer);
   writer.put(static_cast<std::uint32_t>(trees.size()));
+  std::size_t size = writer.bytes().size();
+  for (const Tree& tree : trees) {
+    size += encoded_size(tree);
+  }
+  writer.reserve(size);
   for (const Tree& tree : trees) {
     writer.put(static_cast<std::uint16_t>(tree.size()));
     for (const Node& node : tree.nodes()) {
@@ -203,6 +217,7 @@ Result<DecodedTask> decode_task(std::span<const std::uint8_t> payload, const Voc
     return bad_input(fmt::format("task has {} trees: expected at most {}", count, kMaxTreesPerTask));
   }
   DecodedTask task{std::move(*job), {}};
+  task.trees.reserve(std::min<std::size_t>(count, reader.left()));
   for (std::uint32_t i = 0; i < count; ++i) {
     auto tree = get_tree(reader, vocabulary);
     if (!tree) {
@@ -222,6 +237,8 @@ std::size_t encoded_tally_size(std::size_t objectives) {
 
 std::vector<std::uint8_t> encode_tallies(std::span<const Tally> tallies) {
   ByteWriter writer;
+  writer.reserve(sizeof(std::uint32_t) +
+                 (tallies.empty() ? 0 : tallies.size() * encoded_tally_size(tallies.front().scores.size())));
   writer.put(static_cast<std::uint32_t>(tallies.size()));
   for (const Tally& tally : tallies) {
     writer.put(tally.nodes);

@@ -4,6 +4,7 @@
 #include <array>
 #include <fmt/format.h>
 #include <memory>
+#include <random>
 #include <string_view>
 #include <unistd.h>
 
@@ -108,6 +109,12 @@ ChainHash from_wire(const coppice_wire_ChainId& id) {
   ChainHash hash;
   std::copy(std::begin(id.bytes), std::end(id.bytes), hash.bytes.begin());
   return hash;
+}
+
+std::uint64_t random_identity() {
+  std::random_device device;
+  const std::uint64_t high = device();
+  return high << 32U | device() | 1U;
 }
 
 std::string shown(const char* text) {

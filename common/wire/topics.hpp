@@ -173,6 +173,9 @@ void put_text(char (&field)[N], std::string_view text) {
 // A text from a stranger, fit for a terminal: control and non-ASCII characters become '?'.
 std::string shown(const char* text);
 
+// A number that no other process draws, for workers and runs; never 0.
+std::uint64_t random_identity();
+
 // "host" of this machine, for Hello and Control.
 std::string host_name();
 

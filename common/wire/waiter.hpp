@@ -20,8 +20,9 @@ class Waiter {
   // Wakes when a reader comes or goes; Writer::matched() clears the cause.
   Result<void> watch_matching(dds_entity_t writer);
 
-  // Returns when something happened or the time is over; wake() calls are consumed.
-  void wait(std::chrono::nanoseconds timeout);
+  // Returns when something happened or the time is over; wake() calls are consumed. True: a watched writer was matched
+  // or lost its reader.
+  bool wait(std::chrono::nanoseconds timeout);
   void wake() const;
 
  private:

@@ -1,29 +1,51 @@
 #include "coordinator/dispatch/batch_size.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/check.hpp"
 
 namespace coppice {
 namespace {
 
-constexpr std::chrono::nanoseconds kGuess{std::chrono::microseconds(50)};  // an individual, before one was measured
-
-std::uint64_t divide_up(std::uint64_t a, std::uint64_t b) { return (a + b - 1) / b; }
+double in_nanoseconds(std::chrono::nanoseconds duration) { return static_cast<double>(duration.count()); }
 
 }  // namespace
 
+void FleetPace::add(const WorkerPace& worker, std::chrono::nanoseconds remaining) {
+  COPPICE_CHECK(worker.lanes >= 1);
+  lanes_ += worker.lanes;
+  const double each = in_nanoseconds(worker.each);
+  if (each > 0.0) {
+    const double pace = static_cast<double>(worker.lanes) / each;
+    per_nanosecond_ += pace;
+    pending_ += in_nanoseconds(remaining) * pace;
+    measured_ += worker.lanes;
+    fastest_ = fastest_ == 0.0 ? each : std::min(fastest_, each);
+  }
+}
+
+double FleetPace::end(std::uint32_t waiting) const {
+  COPPICE_CHECK(known());
+  // Lanes that were not measured are taken for average ones.
+  const double all = per_nanosecond_ * static_cast<double>(lanes_) / static_cast<double>(measured_);
+  return (pending_ + static_cast<double>(waiting)) / all;
+}
+
 std::uint32_t batch_size(const BatchRequest& request) {
-  COPPICE_CHECK(request.waiting >= 1 && request.lanes >= 1);
-  const auto each =
-      static_cast<std::uint64_t>(std::max((request.each.count() > 0 ? request.each : kGuess).count(), std::int64_t{1}));
-  const auto shortest = static_cast<std::uint64_t>(std::chrono::nanoseconds(kShortestBatch).count());
-  const auto longest = static_cast<std::uint64_t>(std::chrono::nanoseconds(kLongestBatch).count());
-  const std::uint64_t guided = divide_up(request.waiting, 2 * request.lanes);
-  const std::uint64_t worthwhile = std::max(guided, divide_up(shortest, each));
-  const std::uint64_t share = divide_up(request.waiting, request.lanes);
-  const std::uint64_t size = std::min({worthwhile, share, std::max(longest / each, std::uint64_t{1})});
-  return static_cast<std::uint32_t>(std::max(size, std::uint64_t{1}));
+  COPPICE_CHECK(request.waiting >= 1);
+  const double each = in_nanoseconds(request.worker.each);
+  if (each <= 0.0 || request.end <= 0.0) {
+    return 1;
+  }
+  const double left = request.end - in_nanoseconds(request.remaining);
+  const double guided = std::ceil(kGuidedShare * left / each);
+  const double shortest = std::ceil(in_nanoseconds(kShortestBatch) / each);
+  const double longest = std::max(std::floor(in_nanoseconds(kLongestBatch) / each), 1.0);
+  // What the worker will have done when the last of the others ends: an individual is not divided.
+  const double in_time = std::floor((left + request.fastest) / each + 1e-9);  // rounding must not refuse equals
+  const double size = std::min({std::max(guided, shortest), longest, in_time});
+  return size < 1.0 ? 0 : static_cast<std::uint32_t>(std::min(size, static_cast<double>(request.waiting)));
 }
 
 }  // namespace coppice

@@ -19,12 +19,15 @@ namespace coppice {
 
 // What an evaluator did so far; for progress lines and reports, never for decisions.
 struct DispatchStatistics {
-  std::uint64_t individuals = 0;  // settled
-  std::uint64_t repeated = 0;     // of them: not evaluated, because another of the same call meant the same
-  std::uint64_t batches = 0;      // sent
-  std::uint64_t duplicates = 0;   // answers to batches that were already settled
-  std::uint64_t requeued = 0;     // batches taken back from a worker that died, hung, left or was late
-  std::uint64_t rejected = 0;     // samples that did not decode, or belonged to nobody
+  std::uint64_t individuals = 0;     // settled
+  std::uint64_t repeated = 0;        // of them: not evaluated, because another meant the same
+  std::uint64_t batches = 0;         // sent
+  std::uint64_t copies = 0;          // of them, copies of what was late
+  std::uint64_t sent_bytes = 0;      // of tasks: what the batches' payloads hold
+  std::uint64_t received_bytes = 0;  // of answers
+  std::uint64_t duplicates = 0;      // answers to batches that were already settled
+  std::uint64_t requeued = 0;        // batches taken back from a worker that died, hung, left or was late
+  std::uint64_t rejected = 0;        // samples that did not decode, or belonged to nobody
   std::uint64_t workers_lost = 0;
   std::size_t workers_alive = 0;
 };

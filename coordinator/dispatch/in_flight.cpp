@@ -6,6 +6,16 @@
 #include "common/check.hpp"
 
 namespace coppice {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A batch of a worker whose pace is not known is overdue when an idle worker would have done it so many times over.
+constexpr int kUnknownFactor = 4;
+constexpr auto kUnknownPatience = 50ms;  // but not before
+constexpr int kCopyGain = 2;  // times sooner that a copy must be done than its original, to be worth its while
+
+}  // namespace
 
 void InFlight::begin(std::uint32_t slots) {
   COPPICE_CHECK(done());
@@ -36,7 +46,7 @@ void InFlight::abandon() {
 
 void InFlight::add_worker(WorkerId worker, std::size_t lanes) {
   COPPICE_CHECK(lanes >= 1);
-  workers_.emplace(worker, Worker{lanes, 0, false});
+  workers_.emplace(worker, Worker{.lanes = lanes});
   for (auto& [id, out] : out_) {
     if (out.worker == worker && std::exchange(out.suspected, false) && out.generation == generation_) {
       for (std::uint32_t slot = out.batch.first; slot < out.batch.first + out.batch.count; ++slot) {
@@ -49,6 +59,31 @@ void InFlight::add_worker(WorkerId worker, std::size_t lanes) {
 std::size_t InFlight::load(WorkerId worker) const {
   const auto found = workers_.find(worker);
   return found == workers_.end() ? 0 : found->second.out;
+}
+
+std::uint32_t InFlight::backlog(WorkerId worker) const {
+  const auto found = workers_.find(worker);
+  return found == workers_.end() ? 0 : found->second.slots;
+}
+
+InFlight::Duration InFlight::remaining(WorkerId worker, Time now, Duration each) const {
+  const auto found = workers_.find(worker);
+  if (found == workers_.end() || found->second.slots == 0) {
+    return Duration(0);
+  }
+  const Worker& at = found->second;
+  const auto work = each * at.slots / static_cast<std::int64_t>(at.lanes);
+  return std::max(at.since + work - now, Duration(0));
+}
+
+std::set<WorkerId> InFlight::late(Time now) const {
+  std::set<WorkerId> workers;
+  for (const auto& [id, out] : out_) {
+    if (!out.lost && out.due <= now) {
+      workers.insert(out.worker);
+    }
+  }
+  return workers;
 }
 
 bool InFlight::may_take(const Worker& worker, const Range& range) const {
@@ -77,22 +112,27 @@ std::optional<InFlight::Range> InFlight::take_range(const Worker& worker, std::u
   return taken;
 }
 
-Batch InFlight::send(Worker& worker, WorkerId id, const Range& range, Time now, Duration patience) {
+Batch InFlight::send(Worker& worker, WorkerId id, const Range& range, Time now, const Terms& terms) {
   const Batch batch{BatchId{next_batch_++}, range.first, range.count};
   Out out;
   out.batch = batch;
   out.worker = id;
   out.sent = now;
-  out.due = now + patience;
+  out.due = now + terms.patience;
+  if (terms.each.count() > 0) {
+    out.expected = now + remaining(id, now, terms.each) + terms.each * range.count;
+  }
   out.generation = generation_;
   out.alone = range.alone;
   out_.emplace(batch.id, out);
+  worker.since = worker.out == 0 ? now : worker.since;
   ++worker.out;
+  worker.slots += range.count;
   worker.alone = worker.alone || range.alone;
   return batch;
 }
 
-std::optional<Batch> InFlight::offer(WorkerId worker, std::uint32_t most, Time now, Duration patience) {
+std::optional<Batch> InFlight::offer(WorkerId worker, std::uint32_t most, Time now, const Terms& terms) {
   COPPICE_CHECK(most >= 1);
   const auto found = workers_.find(worker);
   COPPICE_CHECK(found != workers_.end());
@@ -100,7 +140,7 @@ std::optional<Batch> InFlight::offer(WorkerId worker, std::uint32_t most, Time n
   if (!range) {
     return std::nullopt;
   }
-  return send(found->second, worker, *range, now, patience);
+  return send(found->second, worker, *range, now, terms);
 }
 
 bool InFlight::has_unsettled(const Out& out) const {
@@ -120,26 +160,44 @@ bool InFlight::is_held_elsewhere(std::uint32_t slot) const {
   });
 }
 
-std::optional<Batch> InFlight::offer_copy(WorkerId worker, Time now, Duration patience) {
+InFlight::Out* InFlight::worth_a_copy(WorkerId worker, Time now, Duration each) {
+  Out* overdue = nullptr;
+  Out* last = nullptr;
+  for (auto& [id, out] : out_) {
+    if (out.worker == worker || !can_be_copied(out)) {
+      continue;
+    }
+    const bool stranger_late =
+        !out.expected && each.count() > 0 && out.copies == 0 &&
+        out.sent + std::max<Duration>(kUnknownPatience, kUnknownFactor * each * out.batch.count) <= now;
+    if ((out.due <= now || stranger_late) && (overdue == nullptr || out.due < overdue->due)) {
+      overdue = &out;
+    }
+    if (out.expected && each.count() > 0 && now + kCopyGain * each * out.batch.count < *out.expected &&
+        (last == nullptr || *out.expected > *last->expected)) {
+      last = &out;
+    }
+  }
+  return overdue != nullptr ? overdue : last;
+}
+
+std::optional<Batch> InFlight::offer_copy(WorkerId worker, Time now, const Terms& terms) {
   const auto found = workers_.find(worker);
   COPPICE_CHECK(found != workers_.end());
   if (waiting_ > 0 || found->second.out >= found->second.lanes || found->second.alone) {
     return std::nullopt;
   }
-  Out* oldest = nullptr;
-  for (auto& [id, out] : out_) {
-    if (out.worker != worker && out.due <= now && can_be_copied(out) && (oldest == nullptr || out.due < oldest->due)) {
-      oldest = &out;
-    }
-  }
-  if (oldest == nullptr) {
+  Out* const original = worth_a_copy(worker, now, terms.each);
+  if (original == nullptr) {
     return std::nullopt;
   }
   doubled_ = true;
-  ++oldest->copies;
-  oldest->due = now + patience;  // the copy gets its time before a third worker is asked
-  const Range range{oldest->batch.first, oldest->batch.count, oldest->alone};
-  const Batch copy = send(found->second, worker, range, now, patience);
+  ++original->copies;
+  // The copy gets its time before a third worker is asked.
+  original->due = std::max(original->due, now + terms.patience);
+  original->expected.reset();
+  const Range range{original->batch.first, original->batch.count, original->alone};
+  const Batch copy = send(found->second, worker, range, now, terms);
   out_.at(copy.id).copies = limits_.copies;
   return copy;
 }
@@ -158,6 +216,7 @@ void InFlight::discharge(const Out& out) {
   const auto worker = workers_.find(out.worker);
   if (!out.lost && worker != workers_.end()) {
     --worker->second.out;
+    worker->second.slots -= out.batch.count;
     worker->second.alone = worker->second.alone && !out.alone;
   }
 }
@@ -175,13 +234,16 @@ std::optional<InFlight::Found> InFlight::find(BatchId batch, WorkerId worker) co
   return Found{found->second.batch, found->second.generation == generation_, found->second.sent};
 }
 
-InFlight::Settlement InFlight::settle(BatchId batch, WorkerId worker) {
+InFlight::Settlement InFlight::settle(BatchId batch, WorkerId worker, Time now) {
   const auto found = out_.find(batch);
   if (found == out_.end() || found->second.worker != worker) {
     return {};
   }
   const Out out = found->second;
   discharge(out);
+  if (const auto at = workers_.find(worker); at != workers_.end()) {
+    at->second.since = now;
+  }
   out_.erase(found);
   Settlement settlement{Settled::duplicate, out.batch, {}};
   if (out.generation != generation_) {

@@ -2,7 +2,8 @@
 // clocks of its own (time is passed in), so that every fault can be tested as a sequence of calls.
 //
 // The life of a slot: waiting -> offered to a worker in a batch -> settled by the first answer that names it. A
-// lost worker's slots wait again, at the front; an overdue batch may be offered to a second worker as a copy.
+// lost worker's slots wait again, at the front; when nothing waits, a batch that is overdue, or that an idle worker
+// would have done long before its own, may be offered to a second worker as a copy.
 // Because a tally is a pure function of its slot, it does not matter which answer comes first.
 //
 // Invariant: every slot of the generation is settled, or waiting, or in a batch that is out.
@@ -14,6 +15,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 namespace coppice {
@@ -25,7 +27,7 @@ struct InFlightLimits {
   std::size_t ahead = 1;            // batches out at a worker beyond those at work, to hide the way there
   std::uint32_t attempts = 5;       // workers that may be lost with a slot before it counts as poisonous
   std::uint32_t isolate_after = 2;  // lost workers after which a slot travels alone
-  std::uint32_t copies = 2;         // of one overdue batch; a copy is not copied
+  std::uint32_t copies = 2;         // of one batch; a copy is not copied
 };
 
 // Slots first .. first + count - 1.
@@ -53,17 +55,29 @@ class InFlight {
   void add_worker(WorkerId worker, std::size_t lanes = 1);
   bool has_worker(WorkerId worker) const { return workers_.count(worker) != 0; }
   std::size_t workers() const { return workers_.size(); }
-  // Batches out at a worker, copies and leftovers of earlier generations included.
+  // Batches out at a worker, copies and leftovers of earlier generations included; and the slots in them.
   std::size_t load(WorkerId worker) const;
+  std::uint32_t backlog(WorkerId worker) const;
+  // How long the worker is busy with them, if an individual takes `each`; 0 when it should have answered already.
+  Duration remaining(WorkerId worker, Time now, Duration each) const;
 
+  // What may be expected of a worker.
+  struct Terms {
+    Duration patience{0};  // after it a batch is overdue
+    Duration each{0};      // an individual takes it; 0: not known
+  };
   // Whether offer() could hand this worker anything.
   bool can_take(WorkerId worker) const;
-  // Takes at most `most` waiting slots for the worker; it should answer within `patience`. None when nothing waits
-  // that it may take, or its credit is used up. REQUIRES: has_worker(worker), most >= 1.
-  std::optional<Batch> offer(WorkerId worker, std::uint32_t most, Time now, Duration patience);
-  // Nothing waits and a lane is idle: a copy of the batch that is overdue longest and is out at somebody else.
+  // Takes at most `most` waiting slots for the worker. None when nothing waits that it may take, or its credit is used
+  // up. REQUIRES: has_worker(worker), most >= 1.
+  std::optional<Batch> offer(WorkerId worker, std::uint32_t most, Time now, const Terms& terms);
+  // Nothing waits and a lane is idle: a copy of the batch out at somebody else that is overdue longest, or else of
+  // the one that is expected last, if the idle lane would have it in less than half that time. What a worker of unknown
+  // pace holds is overdue when the idle one would have done it several times.
   // REQUIRES: has_worker(worker).
-  std::optional<Batch> offer_copy(WorkerId worker, Time now, Duration patience);
+  std::optional<Batch> offer_copy(WorkerId worker, Time now, const Terms& terms);
+  // Workers with a batch that is overdue.
+  std::set<WorkerId> late(Time now) const;
   // When the next batch becomes overdue, if any is out.
   std::optional<Time> next_due() const;
 
@@ -74,7 +88,7 @@ class InFlight {
     std::vector<std::uint32_t> fresh;  // slots that this answer settled
   };
   // An answer. Late answers of lost workers settle too; foreign: no such batch is out at that worker.
-  Settlement settle(BatchId batch, WorkerId worker);
+  Settlement settle(BatchId batch, WorkerId worker, Time now);
   // The batch as it went out to that worker, to check an answer against before it settles anything. `current`: it
   // belongs to this generation, else its answer settles nothing.
   struct Found {
@@ -110,6 +124,7 @@ class InFlight {
     WorkerId worker{};
     Time sent;
     Time due;
+    std::optional<Time> expected;  // when its answer should come
     std::uint64_t generation = 0;
     std::uint32_t copies = 0;  // of this batch, made so far
     bool alone = false;
@@ -118,15 +133,18 @@ class InFlight {
   };
   struct Worker {
     std::size_t lanes = 1;
-    std::size_t out = 0;
-    bool alone = false;  // holds an isolated slot: gets nothing beside it
+    std::size_t out = 0;      // batches
+    std::uint32_t slots = 0;  // in them
+    Time since{};             // it is at work on them
+    bool alone = false;       // holds an isolated slot: gets nothing beside it
   };
 
   bool may_take(const Worker& worker, const Range& range) const;
   void wait_again(const Out& out);
   void push_waiting(std::uint32_t first, std::uint32_t count);
   std::optional<Range> take_range(const Worker& worker, std::uint32_t most);
-  Batch send(Worker& worker, WorkerId id, const Range& range, Time now, Duration patience);
+  Batch send(Worker& worker, WorkerId id, const Range& range, Time now, const Terms& terms);
+  Out* worth_a_copy(WorkerId worker, Time now, Duration each);
   bool has_unsettled(const Out& out) const;
   bool can_be_copied(const Out& out) const;
   bool is_held_elsewhere(std::uint32_t slot) const;

@@ -1,6 +1,5 @@
 #include "coordinator/dispatch/local_workers.hpp"
 
-#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
@@ -32,12 +31,16 @@ std::string how_it_ended(int status) {
 
 }  // namespace
 
-Result<pid_t> LocalWorkers::spawn() const {
+Result<pid_t> LocalWorkers::spawn(const Flags& flags) const {
   const std::string domain = std::to_string(domain_);
   const std::string parent = std::to_string(getpid());
   const std::string program = program_.string();
-  std::array<const char*, 10> arguments = {program.c_str(), "--coordinator", "127.0.0.1",   "--domain", domain.c_str(),
-                                           "--parent",      parent.c_str(),  "--log-level", "warn",     nullptr};
+  std::vector<const char*> arguments = {program.c_str(), "--coordinator", "127.0.0.1",   "--domain", domain.c_str(),
+                                        "--parent",      parent.c_str(),  "--log-level", "warn"};
+  for (const std::string& flag : flags) {
+    arguments.push_back(flag.c_str());
+  }
+  arguments.push_back(nullptr);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
@@ -57,15 +60,15 @@ Result<pid_t> LocalWorkers::spawn() const {
   return pid;
 }
 
-Result<LocalWorkers> LocalWorkers::start(const std::filesystem::path& program, std::size_t count,
+Result<LocalWorkers> LocalWorkers::start(const std::filesystem::path& program, const std::vector<Flags>& flags,
                                          std::uint32_t domain) {
   LocalWorkers workers(program, domain);
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto pid = workers.spawn();
+  for (const Flags& own : flags) {
+    const auto pid = workers.spawn(own);
     if (!pid) {
       return tl::unexpected(pid.error());
     }
-    workers.workers_.push_back({.pid = *pid});
+    workers.workers_.push_back({.pid = *pid, .flags = own});
   }
   return workers;
 }
@@ -112,7 +115,7 @@ std::vector<LocalWorkers::Ended> LocalWorkers::tend() {
     worker.restarts = now - worker.started > kLongLife ? 0 : worker.restarts;
     if (worker.restarts >= kMaxRestarts) {
       entry.what += fmt::format("; not started again after {} times in a row", kMaxRestarts);
-    } else if (const auto pid = spawn(); pid) {
+    } else if (const auto pid = spawn(worker.flags); pid) {
       ++worker.restarts;
       worker.pid = *pid;
       worker.started = now;
@@ -149,7 +152,7 @@ Result<std::filesystem::path> find_worker_program() {
     }
   }
   for (const auto& place : places) {
-    const auto candidate = place / kName;
+    auto candidate = place / kName;
     if (access(candidate.c_str(), X_OK) == 0) {
       return candidate;
     }

@@ -21,10 +21,16 @@ class LocalWorkers {
   static constexpr int kMaxRestarts = 6;
   static constexpr std::size_t kMaxWorkers = 1024;
 
-  // Starts `count` workers of `program` for the coordinator of this machine in `domain`.
+  // Starts workers of `program` for the coordinator of this machine in `domain`: one for each list of flags, which it
+  // gets beside those that bring it here.
   // REQUIRES: the calling thread lives as long as the workers: they die with it. Errors: the program cannot be
   // started (those that were are stopped).
-  static Result<LocalWorkers> start(const std::filesystem::path& program, std::size_t count, std::uint32_t domain);
+  using Flags = std::vector<std::string>;
+  static Result<LocalWorkers> start(const std::filesystem::path& program, const std::vector<Flags>& flags,
+                                    std::uint32_t domain);
+  static Result<LocalWorkers> start(const std::filesystem::path& program, std::size_t count, std::uint32_t domain) {
+    return start(program, std::vector<Flags>(count), domain);
+  }
 
   LocalWorkers(LocalWorkers&& other) noexcept;
   LocalWorkers& operator=(LocalWorkers&&) = delete;
@@ -47,13 +53,14 @@ class LocalWorkers {
 
  private:
   struct Worker {
-    pid_t pid = 0;     // 0: given up
+    pid_t pid = 0;  // 0: given up
+    Flags flags;
     int restarts = 0;  // in a row
     std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   };
 
   LocalWorkers(std::filesystem::path program, std::uint32_t domain) : program_(std::move(program)), domain_(domain) {}
-  Result<pid_t> spawn() const;
+  Result<pid_t> spawn(const Flags& flags) const;
 
   std::filesystem::path program_;
   std::uint32_t domain_ = 0;

@@ -6,7 +6,10 @@
 namespace coppice {
 namespace {
 
-constexpr double kSmoothing = 0.3;  // weight of the newest measurement
+// A reader takes in nothing before its writer's first heartbeat, which it asks for 10 ms after the match
+// (PreEmptiveAckDelay); what is written before comes with the next one, 100 ms later. Shorter heartbeats would mend it
+// too, but then 200 workers take up to half a minute to be discovered.
+constexpr std::chrono::milliseconds kSettlingTime{15};
 // A worker's reader keeps kTaskDepth samples: it must never be sent more.
 constexpr std::uint32_t kMaxLanes = wire::kTaskDepth / 2;
 
@@ -51,9 +54,18 @@ void RemoteWorker::hear(const wire::Hello& hello, const RunIdentity& run, InFlig
                              [&](const coppice_wire_ChainId& id) { return wire::from_wire(id) == run.chain; });
 }
 
-void RemoteWorker::look() {
-  tasks_matched_ = tasks_.matched();
-  blocks_matched_ = blocks_.matched();
+void RemoteWorker::Match::look(bool matched, InFlight::Time now) {
+  if (!matched) {
+    since.reset();
+  } else if (!since) {
+    since = now;
+  }
+  settled = since && now - *since >= kSettlingTime;
+}
+
+void RemoteWorker::look(InFlight::Time now) {
+  task_match_.look(tasks_.matched(), now);
+  block_match_.look(blocks_.matched(), now);
 }
 
 void RemoteWorker::request_blocks(std::uint32_t first, std::uint32_t count) {
@@ -61,7 +73,7 @@ void RemoteWorker::request_blocks(std::uint32_t first, std::uint32_t count) {
 }
 
 std::size_t RemoteWorker::send_blocks(std::span<const std::uint8_t> chain_bytes, const RunIdentity& run) {
-  if (!requested_ || !blocks_matched_) {
+  if (!requested_ || !block_match_.settled) {
     return 0;
   }
   const Blocks blocks = *std::exchange(requested_, std::nullopt);
@@ -94,16 +106,6 @@ Result<void> RemoteWorker::send_task(const Batch& batch, std::span<const std::ui
   task.batch = static_cast<std::uint64_t>(batch.id);
   task.payload = wire::lend(payload);
   return tasks_.write(task);
-}
-
-void RemoteWorker::measured(std::chrono::nanoseconds elapsed, std::uint32_t individuals, std::uint64_t steps) {
-  const double now =
-      static_cast<double>(elapsed.count()) / (static_cast<double>(individuals) * static_cast<double>(steps));
-  ns_per_step_ = ns_per_step_ == 0.0 ? now : (1.0 - kSmoothing) * ns_per_step_ + kSmoothing * now;
-}
-
-std::chrono::nanoseconds RemoteWorker::cost_of(std::uint64_t steps) const {
-  return std::chrono::nanoseconds(static_cast<std::int64_t>(ns_per_step_ * static_cast<double>(steps)));
 }
 
 }  // namespace coppice

@@ -14,6 +14,7 @@
 #include "common/wire/topics.hpp"
 #include "common/wire/waiter.hpp"
 #include "coordinator/dispatch/in_flight.hpp"
+#include "coordinator/dispatch/measured_pace.hpp"
 
 namespace coppice {
 
@@ -40,9 +41,11 @@ class RemoteWorker {
   // Since when its count of evaluated individuals stands still, or since it was last given something to do.
   InFlight::Time progressed() const { return progressed_; }
   // Holds the chain, serves this run, and can be written to.
-  bool ready() const { return holds_chain_ && tasks_matched_; }
+  bool ready() const { return holds_chain_ && task_match_.settled; }
+  // Its readers are there, but not yet ready to hear.
+  bool settling() const { return task_match_.settling() || block_match_.settling(); }
   // Looks whether its readers are there; until then what woke the waiter goes on waking it.
-  void look();
+  void look(InFlight::Time now);
   void lacks_chain() { holds_chain_ = false; }
 
   // Remembers which blocks it asked for; send_blocks() sends them once the worker can hear.
@@ -53,11 +56,18 @@ class RemoteWorker {
   Result<void> send_task(const Batch& batch, std::span<const std::uint8_t> payload, const RunIdentity& run,
                          InFlight::Time now);
 
-  // Cost of one individual in `steps` walked steps, smoothed over answers; 0 before the first.
-  void measured(std::chrono::nanoseconds elapsed, std::uint32_t individuals, std::uint64_t steps);
-  std::chrono::nanoseconds cost_of(std::uint64_t steps) const;
+  MeasuredPace& pace() { return pace_; }
+  const MeasuredPace& pace() const { return pace_; }
 
  private:
+  // Of a writer with the worker's reader.
+  struct Match {
+    std::optional<InFlight::Time> since;
+    bool settled = false;  // what is written arrives
+    bool settling() const { return since.has_value() && !settled; }
+    void look(bool matched, InFlight::Time now);
+  };
+
   RemoteWorker(const wire::Hello& hello, wire::Writer<wire::Task> tasks, wire::Writer<wire::ChainBlock> blocks);
 
   WorkerId id_;
@@ -66,15 +76,15 @@ class RemoteWorker {
   std::string name_;
   wire::Writer<wire::Task> tasks_;
   wire::Writer<wire::ChainBlock> blocks_;
-  bool tasks_matched_ = false;
-  bool blocks_matched_ = false;
+  Match task_match_;
+  Match block_match_;
   bool holds_chain_ = false;
   struct Blocks {
     std::uint32_t first = 0;
     std::uint32_t count = 0;
   };
   std::optional<Blocks> requested_;
-  double ns_per_step_ = 0.0;
+  MeasuredPace pace_;
   std::uint64_t evaluated_ = 0;
   InFlight::Time progressed_;
 };

@@ -24,6 +24,7 @@ const std::map<std::string, std::set<std::string>> kArrows = {
     {"worker", {"common", "common/tree", "common/chain", "common/fitness", "common/wire"}},
     {"coordinator/learning", {"common", "common/tree", "common/chain"}},
     {"coordinator/dispatch", {"common", "common/tree", "common/chain", "common/fitness", "common/wire"}},
+    {"coordinator/bench", {"common", "common/tree", "common/chain", "common/fitness", "coordinator/dispatch"}},
     {"coordinator/evolution", {"common", "common/tree", "common/chain", "common/fitness", "coordinator/dispatch"}},
     {"coordinator/study",
      {"common", "common/tree", "common/chain", "common/fitness", "coordinator/learning", "coordinator/evolution"}},
@@ -32,7 +33,7 @@ const std::map<std::string, std::set<std::string>> kArrows = {
       "coordinator/study", "coordinator/dispatch"}},
     {"coordinator/commands",
      {"common", "common/tree", "common/chain", "common/fitness", "coordinator", "coordinator/learning",
-      "coordinator/dispatch", "coordinator/evolution", "coordinator/study", "coordinator/report"}},
+      "coordinator/dispatch", "coordinator/bench", "coordinator/evolution", "coordinator/study", "coordinator/report"}},
     {"coordinator", {"common", "coordinator/commands", "coordinator/report"}},
 };
 

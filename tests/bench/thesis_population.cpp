@@ -5,7 +5,6 @@
 #include "common/check.hpp"
 #include "common/fitness/meaning.hpp"
 #include "common/stop.hpp"
-#include "common/tree/action_table.hpp"
 #include "coordinator/dispatch/serial_evaluator.hpp"
 #include "coordinator/evolution/evolve.hpp"
 #include "coordinator/learning/learn.hpp"
@@ -23,15 +22,13 @@ std::shared_ptr<const Chain> uav_chain() {
 std::vector<Tree> bred_trees(const std::shared_ptr<const Chain>& chain, std::size_t count) {
   const StopFlag stop;
   const auto evaluator = *SerialEvaluator::make(chain, stop);
-  const StateColumns columns(chain->vocabulary(), chain->parts().features);
-  std::vector<std::uint8_t> actions(chain->states());
+  Meanings meanings(*chain);
   std::unordered_set<Meaning, MeaningHash> met;
   std::vector<Tree> trees;
   EvolveHooks hooks;
   hooks.generation_done = [&](const GenerationRecord& record, const Checkpoint& checkpoint) -> Result<void> {
     for (const Tree& tree : checkpoint.population) {
-      fill_action_table(tree, columns, 0xFF, actions);
-      if (record.generation % 4 == 0 && trees.size() < count && met.insert(meaning_of(actions)).second) {
+      if (record.generation % 4 == 0 && trees.size() < count && met.insert(meanings.of(tree)).second) {
         trees.push_back(tree);
       }
     }

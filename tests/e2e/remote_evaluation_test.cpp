@@ -181,6 +181,28 @@ TEST_F(RemoteEvaluation, SurvivesAStoppedWorkerAndItsLateAnswers) {
   EXPECT_TRUE(answered_late);
 }
 
+TEST_F(RemoteEvaluation, GivesTheSerialTalliesWithPacedWorkers) {
+  RemoteOptions options;
+  options.worker_flags = {{"--pace", "300us"}, {"--pace", "100us"}};
+  const auto evaluator = open(2, options);
+  for (std::uint32_t generation = 0; generation < 3; ++generation) {
+    expect_equal(*evaluator, generation);
+  }
+}
+
+TEST_F(RemoteEvaluation, OffersToAnotherWhatAVerySlowWorkerHolds) {
+  RemoteOptions options;
+  options.worker_flags = {{"--pace", "600s"}, {}};  // the first answers nothing while this test lives
+  const auto evaluator = open(2, options);
+  ASSERT_TRUE(evaluator->await_workers(2).has_value());
+  expect_equal(*evaluator, 0);
+  const DispatchStatistics statistics = evaluator->statistics();
+  EXPECT_GT(statistics.copies + statistics.requeued, 0U);
+  EXPECT_GT(statistics.sent_bytes, 0U);
+  EXPECT_GT(statistics.received_bytes, 0U);
+  expect_equal(*evaluator, 1);
+}
+
 TEST_F(RemoteEvaluation, WelcomesALateWorkerOfItsOwnAccord) {
   const auto evaluator = open(1);
   expect_equal(*evaluator, 0);

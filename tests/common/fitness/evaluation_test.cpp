@@ -220,6 +220,15 @@ TEST(Evaluation, IsTheSameForTreesThatMeanTheSame) {
   EXPECT_EQ(evaluate(prepared, job, move).matches, evaluate(prepared, job, *wrapped).matches);
 }
 
+TEST(Meanings, AreToldApartByActionTables) {
+  const auto chain = oracles::shared_random_chain({.states = 200, .seed = 6});
+  const auto wrapped = Tree::from_nodes(
+      {Node::composite(NodeKind::selector, 3), Node::composite(NodeKind::sequence, 2), Node::action(ActionId{1})});
+  Meanings meanings(*chain);
+  const std::vector<Tree> trees = {Tree(ActionId{1}), Tree(ActionId{0}), *wrapped, Tree(ActionId{0})};
+  EXPECT_EQ(meanings.firsts(trees), (std::vector<std::uint32_t>{0, 1, 0, 1}));
+}
+
 TEST(Evaluation, WithoutAnActionHoldsTheStateAndNeverAgrees) {
   const auto prepared = prepare(oracles::random_chain({.states = 200, .seed = 6}));
   const Node never = Node::condition(0, Op::equal, 0);

@@ -6,7 +6,6 @@
 #include <set>
 
 #include "common/chain/random.hpp"
-#include "coordinator/dispatch/batch_size.hpp"
 
 namespace coppice {
 namespace {
@@ -29,51 +28,51 @@ InFlight two_workers(const InFlightLimits& limits = {}) {
 TEST(InFlight, HandsOutEverySlotOnceAndIsDoneWhenAllAreSettled) {
   InFlight flight = two_workers();
   flight.begin(10);
-  const auto first = flight.offer(kAnn, 6, kStart, 1s);
-  const auto second = flight.offer(kBen, 6, kStart, 1s);
+  const auto first = flight.offer(kAnn, 6, kStart, {.patience = 1s});
+  const auto second = flight.offer(kBen, 6, kStart, {.patience = 1s});
   ASSERT_TRUE(first && second);
   EXPECT_EQ(first->first, 0U);
   EXPECT_EQ(first->count, 6U);
   EXPECT_EQ(second->first, 6U);
   EXPECT_EQ(second->count, 4U);
-  EXPECT_FALSE(flight.offer(kAnn, 1, kStart, 1s));
-  EXPECT_EQ(flight.settle(first->id, kAnn).fresh.size(), 6U);
+  EXPECT_FALSE(flight.offer(kAnn, 1, kStart, {.patience = 1s}));
+  EXPECT_EQ(flight.settle(first->id, kAnn, kStart).fresh.size(), 6U);
   EXPECT_FALSE(flight.done());
-  EXPECT_EQ(flight.settle(second->id, kBen).kind, Settled::first);
+  EXPECT_EQ(flight.settle(second->id, kBen, kStart).kind, Settled::first);
   EXPECT_TRUE(flight.done());
 }
 
 TEST(InFlight, KeepsToTheCredit) {
   InFlight flight = two_workers({.ahead = 1});
   flight.begin(10);
-  EXPECT_TRUE(flight.offer(kAnn, 1, kStart, 1s));
-  const auto second = flight.offer(kAnn, 1, kStart, 1s);
+  EXPECT_TRUE(flight.offer(kAnn, 1, kStart, {.patience = 1s}));
+  const auto second = flight.offer(kAnn, 1, kStart, {.patience = 1s});
   ASSERT_TRUE(second);
   EXPECT_FALSE(flight.can_take(kAnn));
-  EXPECT_FALSE(flight.offer(kAnn, 1, kStart, 1s));
-  flight.settle(second->id, kAnn);
-  EXPECT_TRUE(flight.offer(kAnn, 1, kStart, 1s));
+  EXPECT_FALSE(flight.offer(kAnn, 1, kStart, {.patience = 1s}));
+  flight.settle(second->id, kAnn, kStart);
+  EXPECT_TRUE(flight.offer(kAnn, 1, kStart, {.patience = 1s}));
 }
 
 TEST(InFlight, CountsADuplicateAndAForeignAnswerAsNothing) {
   InFlight flight = two_workers();
   flight.begin(2);
-  const auto batch = flight.offer(kAnn, 2, kStart, 1s);
-  EXPECT_EQ(flight.settle(batch->id, kBen).kind, Settled::foreign);
-  EXPECT_EQ(flight.settle(BatchId{99}, kAnn).kind, Settled::foreign);
-  EXPECT_EQ(flight.settle(batch->id, kAnn).kind, Settled::first);
-  EXPECT_EQ(flight.settle(batch->id, kAnn).kind, Settled::foreign);
+  const auto batch = flight.offer(kAnn, 2, kStart, {.patience = 1s});
+  EXPECT_EQ(flight.settle(batch->id, kBen, kStart).kind, Settled::foreign);
+  EXPECT_EQ(flight.settle(BatchId{99}, kAnn, kStart).kind, Settled::foreign);
+  EXPECT_EQ(flight.settle(batch->id, kAnn, kStart).kind, Settled::first);
+  EXPECT_EQ(flight.settle(batch->id, kAnn, kStart).kind, Settled::foreign);
   EXPECT_TRUE(flight.done());
 }
 
 TEST(InFlight, OffersALostWorkersSlotsFirst) {
   InFlight flight = two_workers();
   flight.begin(10);
-  flight.offer(kAnn, 4, kStart, 1s);
+  flight.offer(kAnn, 4, kStart, {.patience = 1s});
   const auto loss = flight.lose_worker(kAnn, Farewell::died);
   EXPECT_EQ(loss.batches, 1U);
   EXPECT_TRUE(loss.poisonous.empty());
-  const auto again = flight.offer(kBen, 10, kStart, 1s);
+  const auto again = flight.offer(kBen, 10, kStart, {.patience = 1s});
   ASSERT_TRUE(again);
   EXPECT_EQ(again->first, 0U);
   EXPECT_EQ(again->count, 4U);
@@ -82,9 +81,9 @@ TEST(InFlight, OffersALostWorkersSlotsFirst) {
 TEST(InFlight, TakesALateAnswerOfALostWorker) {
   InFlight flight = two_workers();
   flight.begin(4);
-  const auto batch = flight.offer(kAnn, 4, kStart, 1s);
+  const auto batch = flight.offer(kAnn, 4, kStart, {.patience = 1s});
   flight.lose_worker(kAnn, Farewell::died);
-  EXPECT_EQ(flight.settle(batch->id, kAnn).fresh.size(), 4U);
+  EXPECT_EQ(flight.settle(batch->id, kAnn, kStart).fresh.size(), 4U);
   EXPECT_TRUE(flight.done());
   EXPECT_EQ(flight.waiting(), 0U);
 }
@@ -92,15 +91,15 @@ TEST(InFlight, TakesALateAnswerOfALostWorker) {
 TEST(InFlight, OffersACopyOfAnOverdueBatchAndTakesWhicheverAnswersFirst) {
   InFlight flight = two_workers();
   flight.begin(4);
-  const auto original = flight.offer(kAnn, 4, kStart, 1s);
-  EXPECT_FALSE(flight.offer_copy(kBen, kStart + 999ms, 1s));
+  const auto original = flight.offer(kAnn, 4, kStart, {.patience = 1s});
+  EXPECT_FALSE(flight.offer_copy(kBen, kStart + 999ms, {.patience = 1s}));
   EXPECT_EQ(flight.next_due(), kStart + 1s);
-  const auto copy = flight.offer_copy(kBen, kStart + 1s, 1s);
+  const auto copy = flight.offer_copy(kBen, kStart + 1s, {.patience = 1s});
   ASSERT_TRUE(copy);
   EXPECT_EQ(copy->count, 4U);
-  EXPECT_EQ(flight.settle(copy->id, kBen).fresh.size(), 4U);
+  EXPECT_EQ(flight.settle(copy->id, kBen, kStart).fresh.size(), 4U);
   EXPECT_TRUE(flight.done());
-  EXPECT_EQ(flight.settle(original->id, kAnn).kind, Settled::duplicate);
+  EXPECT_EQ(flight.settle(original->id, kAnn, kStart).kind, Settled::duplicate);
   EXPECT_EQ(flight.load(kAnn), 0U);
 }
 
@@ -110,17 +109,17 @@ TEST(InFlight, MakesNoMoreCopiesThanItsLimit) {
     flight.add_worker(WorkerId{w});
   }
   flight.begin(1);
-  flight.offer(WorkerId{1}, 1, kStart, 1s);
-  EXPECT_TRUE(flight.offer_copy(WorkerId{2}, kStart + 1s, 1s));
-  EXPECT_FALSE(flight.offer_copy(WorkerId{3}, kStart + 1s, 1s));
+  flight.offer(WorkerId{1}, 1, kStart, {.patience = 1s});
+  EXPECT_TRUE(flight.offer_copy(WorkerId{2}, kStart + 1s, {.patience = 1s}));
+  EXPECT_FALSE(flight.offer_copy(WorkerId{3}, kStart + 1s, {.patience = 1s}));
 }
 
 TEST(InFlight, ChargesLeftoversOfEarlierGenerationsToTheirWorker) {
   InFlight flight = two_workers({.ahead = 0});
   flight.begin(1);
-  flight.offer(kAnn, 1, kStart, 1s);
-  const auto copy = flight.offer_copy(kBen, kStart + 1s, 1s);
-  flight.settle(copy->id, kBen);
+  flight.offer(kAnn, 1, kStart, {.patience = 1s});
+  const auto copy = flight.offer_copy(kBen, kStart + 1s, {.patience = 1s});
+  flight.settle(copy->id, kBen, kStart);
   flight.begin(2);
   EXPECT_FALSE(flight.can_take(kAnn));  // still at work on the old batch
   EXPECT_TRUE(flight.can_take(kBen));
@@ -136,7 +135,7 @@ TEST(InFlight, SendsASlotThatKilledWorkersAloneAndGivesUpAtTheLimit) {
     flight.add_worker(worker);
     // The worker dies with slot 0; everything else that it was given beside it is settled first.
     std::vector<Batch> held;
-    while (const auto batch = flight.offer(worker, 5, kStart, 1s)) {
+    while (const auto batch = flight.offer(worker, 5, kStart, {.patience = 1s})) {
       held.push_back(*batch);
     }
     ASSERT_FALSE(held.empty());
@@ -154,12 +153,12 @@ TEST(InFlight, SendsASlotThatKilledWorkersAloneAndGivesUpAtTheLimit) {
       std::size_t settled = 0;
       for (int i = 0; i < 4; ++i) {
         // Slot 0 stands first and alone: the healthy worker takes it and gives it back.
-        const auto batch = flight.offer(healthy, 1, kStart, 1s);
+        const auto batch = flight.offer(healthy, 1, kStart, {.patience = 1s});
         ASSERT_TRUE(batch);
         if (batch->first == 0) {
           break;
         }
-        settled += flight.settle(batch->id, healthy).fresh.size();
+        settled += flight.settle(batch->id, healthy, kStart).fresh.size();
       }
       flight.lose_worker(healthy, Farewell::left);
     }
@@ -172,7 +171,7 @@ TEST(InFlight, ClearsTheSlotsOfALostWorkerThatComesBack) {
   flight.begin(1);
   for (int glitch = 0; glitch < 10; ++glitch) {
     flight.add_worker(kAnn);
-    ASSERT_TRUE(flight.offer(kAnn, 1, kStart, 1s));
+    ASSERT_TRUE(flight.offer(kAnn, 1, kStart, {.patience = 1s}));
     ASSERT_TRUE(flight.lose_worker(kAnn, Farewell::died).poisonous.empty());
   }
   EXPECT_EQ(flight.unsettled(), 1U);
@@ -181,11 +180,11 @@ TEST(InFlight, ClearsTheSlotsOfALostWorkerThatComesBack) {
 TEST(InFlight, DoesNotGiveASlotUpWhileAHealthyWorkerHoldsACopy) {
   InFlight flight = two_workers({.ahead = 0, .attempts = 1});
   flight.begin(1);
-  flight.offer(kAnn, 1, kStart, 1s);
-  const auto copy = flight.offer_copy(kBen, kStart + 1s, 1s);
+  flight.offer(kAnn, 1, kStart, {.patience = 1s});
+  const auto copy = flight.offer_copy(kBen, kStart + 1s, {.patience = 1s});
   ASSERT_TRUE(copy);
   EXPECT_TRUE(flight.lose_worker(kAnn, Farewell::died).poisonous.empty());
-  EXPECT_EQ(flight.settle(copy->id, kBen).fresh.size(), 1U);
+  EXPECT_EQ(flight.settle(copy->id, kBen, kStart).fresh.size(), 1U);
 }
 
 TEST(InFlight, KeepsEveryLaneOfAWorkerBusyAndOneBatchAhead) {
@@ -193,7 +192,7 @@ TEST(InFlight, KeepsEveryLaneOfAWorkerBusyAndOneBatchAhead) {
   flight.add_worker(kAnn, 4);
   flight.begin(100);
   int batches = 0;
-  while (flight.offer(kAnn, 1, kStart, 1s)) {
+  while (flight.offer(kAnn, 1, kStart, {.patience = 1s})) {
     ++batches;
   }
   EXPECT_EQ(batches, 5);
@@ -205,12 +204,12 @@ TEST(InFlight, CopiesNothingThatIsSettledAndNoCopies) {
     flight.add_worker(WorkerId{w});
   }
   flight.begin(2);
-  flight.offer(WorkerId{1}, 1, kStart, 1s);
-  flight.offer(WorkerId{2}, 1, kStart, 9s);
-  const auto copy = flight.offer_copy(WorkerId{3}, kStart + 1s, 1s);
+  flight.offer(WorkerId{1}, 1, kStart, {.patience = 1s});
+  flight.offer(WorkerId{2}, 1, kStart, {.patience = 9s});
+  const auto copy = flight.offer_copy(WorkerId{3}, kStart + 1s, {.patience = 1s});
   ASSERT_TRUE(copy);
-  flight.settle(copy->id, WorkerId{3});
-  EXPECT_FALSE(flight.offer_copy(WorkerId{4}, kStart + 5s, 1s));  // slot 0 is settled, slot 1 not overdue
+  flight.settle(copy->id, WorkerId{3}, kStart);
+  EXPECT_FALSE(flight.offer_copy(WorkerId{4}, kStart + 5s, {.patience = 1s}));  // slot 0 is settled, slot 1 not overdue
   EXPECT_EQ(flight.next_due(), kStart + 9s);
 }
 
@@ -219,7 +218,7 @@ TEST(InFlight, DoesNotSuspectTheSlotsOfAWorkerThatLeft) {
   flight.begin(1);
   for (std::uint64_t w = 1; w <= 10; ++w) {
     flight.add_worker(WorkerId{w});
-    ASSERT_TRUE(flight.offer(WorkerId{w}, 1, kStart, 1s));
+    ASSERT_TRUE(flight.offer(WorkerId{w}, 1, kStart, {.patience = 1s}));
     EXPECT_TRUE(flight.lose_worker(WorkerId{w}, Farewell::left).poisonous.empty());
   }
   EXPECT_EQ(flight.unsettled(), 1U);
@@ -228,11 +227,11 @@ TEST(InFlight, DoesNotSuspectTheSlotsOfAWorkerThatLeft) {
 TEST(InFlight, AbandonsAGenerationAndStartsTheNext) {
   InFlight flight = two_workers({.ahead = 0});
   flight.begin(3);
-  const auto old = flight.offer(kAnn, 3, kStart, 1s);
+  const auto old = flight.offer(kAnn, 3, kStart, {.patience = 1s});
   flight.abandon();
   EXPECT_TRUE(flight.done());
   flight.begin(2);
-  EXPECT_EQ(flight.settle(old->id, kAnn).kind, Settled::duplicate);
+  EXPECT_EQ(flight.settle(old->id, kAnn, kStart).kind, Settled::duplicate);
   EXPECT_EQ(flight.unsettled(), 2U);
 }
 
@@ -266,9 +265,10 @@ TEST(InFlight, SettlesEverySlotExactlyOnceUnderRandomFaults) {
           flight.lose_worker(worker, random.below(2) == 0 ? Farewell::died : Farewell::left);
           alive.erase(worker);  // its answers may still come
         } else if (kind < 50) {
-          if (const auto batch = flight.offer(worker, 1 + static_cast<std::uint32_t>(random.below(20)), now, 1s)) {
+          if (const auto batch =
+                  flight.offer(worker, 1 + static_cast<std::uint32_t>(random.below(20)), now, {.patience = 1s})) {
             out.emplace_back(batch->id, worker);
-          } else if (const auto copy = flight.offer_copy(worker, now, 1s)) {
+          } else if (const auto copy = flight.offer_copy(worker, now, {.patience = 1s})) {
             out.emplace_back(copy->id, worker);
           }
         } else if (!out.empty()) {
@@ -277,7 +277,7 @@ TEST(InFlight, SettlesEverySlotExactlyOnceUnderRandomFaults) {
           if (kind < 55) {
             flight.give_back(batch, from);
           } else {
-            const auto settlement = flight.settle(batch, from);
+            const auto settlement = flight.settle(batch, from, now);
             for (const std::uint32_t slot : settlement.fresh) {
               ++settled[slot];
             }
@@ -290,25 +290,63 @@ TEST(InFlight, SettlesEverySlotExactlyOnceUnderRandomFaults) {
   }
 }
 
-TEST(BatchSize, SharesAGenerationAmongTheLanes) {
-  EXPECT_EQ(batch_size({.waiting = 100, .lanes = 2, .each = 1ms}), 20U);    // 20 ms is the longest
-  EXPECT_EQ(batch_size({.waiting = 100, .lanes = 2, .each = 100us}), 25U);  // half a share: guided
-  EXPECT_EQ(batch_size({.waiting = 100, .lanes = 2, .each = 1us}), 50U);    // not worth splitting further
-  EXPECT_EQ(batch_size({.waiting = 1, .lanes = 64, .each = 1us}), 1U);
-  EXPECT_EQ(batch_size({.waiting = 100, .lanes = 2, .each = 10s}), 1U);
+TEST(InFlight, CopiesWhatAnIdleWorkerWouldHaveDoneLongBefore) {
+  InFlight flight = two_workers();
+  flight.begin(3);
+  const auto slow = flight.offer(kAnn, 2, kStart, {.patience = 1s, .each = 20ms});
+  const auto quick = flight.offer(kBen, 1, kStart, {.patience = 1s, .each = 2ms});
+  ASSERT_TRUE(slow && quick);
+  flight.settle(quick->id, kBen, kStart);
+  const auto copy = flight.offer_copy(kBen, kStart + 2ms, {.patience = 1s, .each = 2ms});
+  ASSERT_TRUE(copy);  // 4 ms of work against 38 ms
+  EXPECT_EQ(copy->first, slow->first);
+  EXPECT_EQ(copy->count, 2U);
+  EXPECT_EQ(flight.settle(copy->id, kBen, kStart).fresh.size(), 2U);
+  EXPECT_TRUE(flight.done());
 }
 
-TEST(BatchSize, ShrinksAsTheGenerationEmpties) {
-  std::uint32_t waiting = 1000;
-  std::uint32_t last = waiting;
-  while (waiting > 0) {
-    const std::uint32_t size = batch_size({.waiting = waiting, .lanes = 4, .each = 100us});
-    ASSERT_GE(size, 1U);
-    ASSERT_LE(size, waiting);
-    EXPECT_LE(size, last);
-    last = size;
-    waiting -= size;
+TEST(InFlight, CopiesNothingThatWouldNotBeDoneInHalfTheTime) {
+  InFlight flight = two_workers();
+  flight.begin(3);
+  flight.offer(kAnn, 2, kStart, {.patience = 1s, .each = 2ms});
+  const auto quick = flight.offer(kBen, 1, kStart, {.patience = 1s, .each = 2ms});
+  flight.settle(quick->id, kBen, kStart);
+  EXPECT_FALSE(flight.offer_copy(kBen, kStart + 1ms, {.patience = 1s, .each = 1ms}));  // 2 ms against 3 ms
+  EXPECT_FALSE(flight.offer_copy(kBen, kStart + 1ms, {.patience = 1s}));               // not known
+  EXPECT_TRUE(flight.offer_copy(kBen, kStart + 1s, {.patience = 1s}));                 // overdue
+}
+
+TEST(InFlight, CopiesWhatAWorkerOfUnknownPaceHoldsForLong) {
+  InFlight flight = two_workers();
+  flight.begin(1);
+  flight.offer(kAnn, 1, kStart, {.patience = 9s});
+  EXPECT_FALSE(flight.offer_copy(kBen, kStart + 49ms, {.patience = 1s, .each = 1ms}));
+  EXPECT_FALSE(flight.offer_copy(kBen, kStart + 50ms, {.patience = 1s, .each = 20ms}));
+  EXPECT_TRUE(flight.offer_copy(kBen, kStart + 50ms, {.patience = 1s, .each = 1ms}));
+}
+
+TEST(InFlight, DoesNotCopyTheSameBatchTwiceBeforeTheCopyIsOverdue) {
+  InFlight flight({.ahead = 0});
+  for (std::uint64_t w = 1; w <= 3; ++w) {
+    flight.add_worker(WorkerId{w});
   }
+  flight.begin(1);
+  flight.offer(WorkerId{1}, 1, kStart, {.patience = 1s, .each = 1s});
+  EXPECT_TRUE(flight.offer_copy(WorkerId{2}, kStart + 1ms, {.patience = 100ms, .each = 1ms}));
+  EXPECT_FALSE(flight.offer_copy(WorkerId{3}, kStart + 2ms, {.patience = 100ms, .each = 1ms}));
+  EXPECT_TRUE(flight.offer_copy(WorkerId{3}, kStart + 1s, {.patience = 100ms, .each = 1ms}));
+}
+
+TEST(InFlight, KnowsTheBacklogAndWhoIsLate) {
+  InFlight flight = two_workers();
+  flight.begin(5);
+  const auto first = flight.offer(kAnn, 3, kStart, {.patience = 1s});
+  flight.offer(kBen, 2, kStart, {.patience = 2s});
+  EXPECT_EQ(flight.backlog(kAnn), 3U);
+  EXPECT_EQ(flight.late(kStart + 1s), std::set<WorkerId>{kAnn});
+  flight.settle(first->id, kAnn, kStart);
+  EXPECT_EQ(flight.backlog(kAnn), 0U);
+  EXPECT_TRUE(flight.late(kStart + 1s).empty());
 }
 
 }  // namespace

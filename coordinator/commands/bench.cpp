@@ -1,0 +1,245 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <fmt/format.h>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "common/duration.hpp"
+#include "coordinator/bench/bench_report.hpp"
+#include "coordinator/bench/machine.hpp"
+#include "coordinator/bench/pacing.hpp"
+#include "coordinator/bench/scaling.hpp"
+#include "coordinator/commands/commands.hpp"
+#include "coordinator/commands/evaluator_option.hpp"
+#include "coordinator/commands/whole_number.hpp"
+#include "coordinator/dispatch/local_workers.hpp"
+#include "coordinator/learning/learn.hpp"
+#include "coordinator/study/study.hpp"
+
+namespace coppice {
+namespace {
+
+constexpr std::uint64_t kEpisodes = 50'000;  // for the chain of our own: most states of the default room, in 0.2 s
+constexpr std::uint64_t kMostRepetitions = 1000;
+constexpr std::uint64_t kMostPopulation = 1'000'000;
+
+struct Options {
+  std::string study;
+  std::string worker_program;
+  std::vector<std::size_t> workers = {1, 2, 4};
+  std::vector<std::string> workloads;
+  std::uint32_t repetitions = 7;
+  std::string pace;
+  std::string slow;  // K:DURATION
+  std::uint32_t population = 0;
+  bool json = false;
+};
+
+void print_now(const std::string& text) {
+  fmt::print("{}", text);
+  static_cast<void>(std::fflush(stdout));  // main() looks at the last one
+}
+
+Result<std::shared_ptr<const Chain>> chain_of(const Options& options, const StopFlag& stop) {
+  if (!options.study.empty()) {
+    const Result<Study> study = Study::open(options.study, Study::Access::read);
+    if (!study) {
+      return tl::unexpected(study.error());
+    }
+    return std::make_shared<const Chain>(study->chain());
+  }
+  const Result<World> world = load_world("uav");
+  if (!world) {
+    return tl::unexpected(world.error());
+  }
+  LearnSettings settings = default_settings(world->kind, Algorithm::q_learning);
+  settings.episodes = kEpisodes;
+  Result<Learned> learned = learn(*world, settings, [&](std::uint64_t) { return !stop.raised(); });
+  if (!learned) {
+    return tl::unexpected(learned.error());
+  }
+  return std::make_shared<const Chain>(std::move(learned->chain));
+}
+
+Result<std::vector<Workload>> workloads_of(const Options& options, const Chain& chain) {
+  std::vector<Workload> all = standard_workloads(chain);
+  if (options.workloads.empty()) {
+    return all;
+  }
+  std::vector<Workload> chosen;
+  for (const std::string& name : options.workloads) {
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const Workload& workload) { return workload.name == name; });
+    if (found == all.end()) {
+      return bad_input(
+          fmt::format("--workloads: no workload '{}': expected some of empty, light, medium, heavy", name));
+    }
+    chosen.push_back(*found);
+  }
+  return chosen;
+}
+
+// "1:20ms".
+Result<void> read_slow(const std::string& text, PacingSettings& settings) {
+  std::size_t count = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+  if (error != std::errc() || end == text.data() + text.size() || *end != ':' || count == 0) {
+    return bad_input(fmt::format("--slow: '{}' found: expected how many workers and their pace, as in 1:20ms", text));
+  }
+  const auto pace = duration_of(std::string_view(text).substr(static_cast<std::size_t>(end + 1 - text.data())));
+  if (!pace) {
+    return in_context("--slow", pace.error());
+  }
+  const std::size_t fewest = *std::min_element(settings.workers.begin(), settings.workers.end());
+  if (count > fewest) {
+    return bad_input(
+        fmt::format("--slow: {} workers found: expected at most {}, the fewest of --workers", count, fewest));
+  }
+  settings.slow_workers = count;
+  settings.slow_pace = *pace;
+  return {};
+}
+
+Result<PacingSettings> pacing_of(const Options& options, const std::filesystem::path& worker_program) {
+  PacingSettings settings;
+  settings.workers = options.workers;
+  settings.population = options.population;
+  settings.repetitions = options.repetitions;
+  settings.worker_program = worker_program;
+  const auto pace = duration_of(options.pace);
+  if (!pace) {
+    return in_context("--pace", pace.error());
+  }
+  settings.pace = *pace;
+  if (!options.slow.empty()) {
+    if (auto ok = read_slow(options.slow, settings); !ok) {
+      return tl::unexpected(ok.error());
+    }
+  }
+  return settings;
+}
+
+Result<void> bench_pacing(const PacingSettings& settings, const std::shared_ptr<const Chain>& chain,
+                          const Machine& machine, bool json, const StopFlag& stop) {
+  if (!json) {
+    print_now(pacing_heading(settings));
+  }
+  const auto rows = measure_pacing(chain, settings, stop, [&](const PacingRow& row) {
+    if (!json) {
+      print_now(to_text(row));
+    }
+  });
+  if (!rows) {
+    return tl::unexpected(rows.error());
+  }
+  print_now(json ? to_json(machine, settings, *rows) + "\n"
+                 : "ideal: every worker busy to the end. first: no pace is known yet. all here: from the first start "
+                   "until all hold\nthe chain. all gone: until the last process has ended. Every tally was equal to "
+                   "the serial one.\n");
+  return {};
+}
+
+Result<void> bench_scaling(const ScalingSettings& settings, const std::vector<Workload>& workloads,
+                           const std::shared_ptr<const Chain>& chain, const Machine& machine, bool json,
+                           const StopFlag& stop) {
+  const auto scaling = measure_scaling(chain, workloads, settings, stop, [&](const WorkloadScaling& workload) {
+    if (!json) {
+      print_now(to_text(workload));
+    }
+  });
+  if (!scaling) {
+    return tl::unexpected(scaling.error());
+  }
+  print_now(json ? to_json(machine, settings, *scaling) + "\n" : verdict(*scaling, settings.cores));
+  return {};
+}
+
+Result<void> bench_command(const Options& options, const StopFlag& stop) {
+  EvaluatorOption local;
+  local.worker_program = options.worker_program;
+  const auto program = evaluator_choice(local);
+  if (!program) {
+    return tl::unexpected(program.error());
+  }
+  std::optional<PacingSettings> pacing;
+  if (!options.pace.empty()) {
+    auto settings = pacing_of(options, program->worker_program);
+    if (!settings) {
+      return tl::unexpected(settings.error());
+    }
+    pacing = std::move(*settings);
+  }
+  const auto chain = chain_of(options, stop);
+  if (!chain) {
+    return tl::unexpected(chain.error());
+  }
+  const auto workloads = workloads_of(options, **chain);
+  if (!workloads) {
+    return tl::unexpected(workloads.error());
+  }
+  const Machine machine = this_machine();
+  if (!options.json) {
+    print_now(to_text(machine));
+    print_now(fmt::format("chain: {} states, {} actions, {} transitions; {} repetitions side by side\n",
+                          (*chain)->states(), (*chain)->actions(), (*chain)->transitions(), options.repetitions));
+  }
+  if (pacing) {
+    return bench_pacing(*pacing, *chain, machine, options.json, stop);
+  }
+  const ScalingSettings settings{.workers = options.workers,
+                                 .repetitions = options.repetitions,
+                                 .worker_program = program->worker_program,
+                                 .cores = machine.cores};
+  return bench_scaling(settings, *workloads, *chain, machine, options.json, stop);
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, Invocation& invocation) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("bench", "Measure evaluation: the serial path, then workers, side by side on this machine");
+  command->add_option("--study", options->study, "Whose chain to evaluate on (default: one that is learned now)");
+  command->add_option("--workers", options->workers, "Numbers of worker processes to try (default: 1,2,4)")
+      ->type_name("N,N,...")
+      ->delimiter(',')
+      ->check(whole_number(1, LocalWorkers::kMaxWorkers));
+  command->add_option("--repetitions", options->repetitions, "Of everything, in turn; medians are printed")
+      ->check(whole_number(1, kMostRepetitions))
+      ->capture_default_str();
+  CLI::Option* workloads =
+      command->add_option("--workloads", options->workloads, "Some of empty, light, medium, heavy (default: all)")
+          ->type_name("NAME,...")
+          ->delimiter(',');
+  CLI::Option* pace = command
+                          ->add_option("--pace", options->pace,
+                                       "Capacity planning instead: workers that take so long for an individual, "
+                                       "many more than cores, against the ideal")
+                          ->type_name("DURATION")
+                          ->excludes(workloads);
+  command->add_option("--slow", options->slow, "With --pace: K of the workers take DURATION")
+      ->type_name("K:DURATION")
+      ->needs(pace);
+  command->add_option("--population", options->population, "With --pace: individuals (default: 50 for each worker)")
+      ->check(whole_number(1, kMostPopulation))
+      ->needs(pace);
+  command
+      ->add_option("--worker-program", options->worker_program,
+                   "What to start (default: coppice-worker beside this program, or on PATH)")
+      ->type_name("FILE");
+  command->add_flag("--json", options->json, "Report as one JSON object");
+  command->footer(
+      "Fails if any worker gives another result than the serial path.\n"
+      "Examples:\n"
+      "  coppice bench --workers 1,2\n"
+      "  coppice bench --pace 2ms --workers 1,8,64\n"
+      "  coppice bench --pace 2ms --workers 20 --slow 1:20ms");
+  command->callback([&invocation, options] {
+    invocation.chosen = [&invocation, options] { return bench_command(*options, invocation.stop); };
+  });
+}
+
+}  // namespace coppice

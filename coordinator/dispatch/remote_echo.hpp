@@ -1,0 +1,64 @@
+// The floor under dispatch: batches of given sizes sent to workers that answer at once with given sizes
+// (coppice-worker --echo), by a bare loop over the same topics, without books, trees or chain. What the remote
+// evaluator takes beyond this it spends itself. One thread uses it.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "common/error.hpp"
+#include "common/stop.hpp"
+#include "coordinator/dispatch/local_workers.hpp"
+#include "coordinator/dispatch/remote_endpoints.hpp"
+
+namespace coppice {
+
+class RemoteEcho {
+ public:
+  // Starts the workers and waits until all are there. `stop` outlives it. Errors: as RemoteEvaluator::open(); workers
+  // that do not come within kPatience; interrupted.
+  static Result<std::unique_ptr<RemoteEcho>> open(const std::filesystem::path& worker_program, std::size_t workers,
+                                                  const StopFlag& stop);
+  ~RemoteEcho() = default;
+  RemoteEcho(const RemoteEcho&) = delete;
+  RemoteEcho& operator=(const RemoteEcho&) = delete;
+
+  static constexpr std::chrono::seconds kPatience{30};  // for workers to come, and for one exchange
+
+  struct Traffic {
+    std::size_t batches = 0;
+    std::size_t task_bytes = 0;    // each
+    std::size_t answer_bytes = 0;  // each
+  };
+  // Sends the batches in turn to all workers, two at a time to each, and returns when all are answered. Errors: as
+  // open(). REQUIRES: both sizes within the contract's bounds.
+  Result<void> exchange(const Traffic& traffic);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Peer {
+    std::uint64_t worker = 0;
+    wire::Writer<wire::Task> tasks;
+    std::size_t out = 0;
+  };
+
+  RemoteEcho(RemoteEndpoints endpoints, LocalWorkers local, const StopFlag& stop);
+
+  Result<void> meet(const wire::Hello& hello);
+  Result<void> await_peers(std::size_t count);
+  // Errors: past `limit`, or interrupted.
+  Result<void> sleep(Clock::time_point limit);
+
+  RemoteEndpoints dds_;
+  const StopFlag& stop_;
+  StopFlag::Wake wake_;
+  std::uint64_t run_id_;
+  std::vector<Peer> peers_;
+  LocalWorkers local_;
+};
+
+}  // namespace coppice

@@ -1,0 +1,30 @@
+// A coordinator's place in its DDS domain: the participant, and every endpoint that it shares among workers (those
+// of one worker are in remote_worker.hpp). Belongs to one thread.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "common/error.hpp"
+#include "common/wire/participant.hpp"
+#include "common/wire/topics.hpp"
+#include "common/wire/waiter.hpp"
+
+namespace coppice {
+
+struct RemoteEndpoints {
+  std::uint32_t domain = 0;
+  wire::Participant participant;
+  wire::Waiter waiter;  // watches the readers
+  wire::Reader<wire::Hello> hellos;
+  wire::Reader<wire::Answer> answers;
+  wire::Reader<wire::ChainRequest> requests;
+  wire::Writer<wire::Control> control;
+
+  // In `domain`, or in a free one of those for local runs. `interface` by name or address. Errors name the flag: no
+  // such interface; the domain is taken (or all are).
+  static Result<RemoteEndpoints> open(const std::optional<std::uint32_t>& domain, const std::string& interface);
+};
+
+}  // namespace coppice

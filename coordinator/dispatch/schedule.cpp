@@ -1,0 +1,105 @@
+#include "coordinator/dispatch/schedule.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <tuple>
+
+#include "common/check.hpp"
+
+namespace coppice {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kShortestPatience = 25ms;  // a batch is not overdue before
+constexpr auto kLongestPatience = 60s;
+constexpr auto kPatienceUnmeasured = 2s;
+constexpr int kPatienceFactor = 4;  // times the measured cost of all that the worker has before it
+
+InFlight::Terms terms_for(const ReadyWorker& worker, std::uint32_t backlog, std::uint32_t slots) {
+  if (worker.pace.each.count() == 0) {
+    return {.patience = kPatienceUnmeasured, .each = {}};
+  }
+  const double work = static_cast<double>(worker.pace.each.count()) *
+                      (static_cast<double>(backlog) + static_cast<double>(slots)) * kPatienceFactor;
+  const double longest = static_cast<double>(std::chrono::nanoseconds(kLongestPatience).count());
+  const std::chrono::nanoseconds patience(static_cast<std::int64_t>(std::min(work, longest)));
+  return {.patience = std::max<std::chrono::nanoseconds>(kShortestPatience, patience), .each = worker.pace.each};
+}
+
+FleetPace fleet_pace(const InFlight& flight, std::span<const ReadyWorker> workers, InFlight::Time now) {
+  const auto late = flight.late(now);
+  FleetPace fleet;
+  for (const ReadyWorker& worker : workers) {
+    if (late.count(worker.id) == 0) {
+      fleet.add(worker.pace, flight.remaining(worker.id, now, worker.pace.each));
+    }
+  }
+  return fleet;
+}
+
+struct Offer {
+  const ReadyWorker* worker = nullptr;
+  std::chrono::nanoseconds remaining{0};
+  std::size_t load = 0;
+  std::uint32_t slots = 0;
+};
+
+// To whom the next batch should go: of those that would be done in time with one more, the first to be free.
+Offer next_offer(const InFlight& flight, std::span<const ReadyWorker> workers, const FleetPace& fleet,
+                 InFlight::Time now, double end) {
+  Offer next;
+  for (const ReadyWorker& worker : workers) {
+    if (!flight.can_take(worker.id)) {
+      continue;
+    }
+    const auto remaining = flight.remaining(worker.id, now, worker.pace.each);
+    const std::size_t load = flight.load(worker.id);
+    if (next.worker != nullptr && std::tie(remaining, load) >= std::tie(next.remaining, next.load)) {
+      continue;
+    }
+    const std::uint32_t slots = batch_size({.waiting = flight.waiting(),
+                                            .end = end,
+                                            .fastest = fleet.fastest(),
+                                            .worker = worker.pace,
+                                            .remaining = remaining});
+    if (slots > 0) {
+      next = {&worker, remaining, load, slots};
+    }
+  }
+  return next;
+}
+
+}  // namespace
+
+std::vector<Assignment> next_assignments(InFlight& flight, std::span<const ReadyWorker> workers, std::uint32_t most,
+                                         InFlight::Time now) {
+  std::vector<Assignment> assignments;
+  if (flight.waiting() > 0) {
+    const FleetPace fleet = fleet_pace(flight, workers, now);
+    // Stays as it is while slots move from waiting to pending.
+    const double end = fleet.known() ? fleet.end(flight.waiting()) : 0.0;
+    while (flight.waiting() > 0) {
+      const Offer next = next_offer(flight, workers, fleet, now, end);
+      if (next.worker == nullptr) {
+        break;
+      }
+      const WorkerId id = next.worker->id;
+      const auto terms = terms_for(*next.worker, flight.backlog(id), next.slots);
+      const auto batch = flight.offer(id, std::min(next.slots, most), now, terms);
+      COPPICE_CHECK(batch.has_value());  // can_take()
+      assignments.push_back({id, *batch, false});
+    }
+  }
+  if (flight.waiting() == 0 && !flight.done()) {
+    for (const ReadyWorker& worker : workers) {
+      const auto terms = terms_for(worker, flight.backlog(worker.id), flight.unsettled());
+      if (const auto copy = flight.offer_copy(worker.id, now, terms)) {
+        assignments.push_back({worker.id, *copy, true});
+      }
+    }
+  }
+  return assignments;
+}
+
+}  // namespace coppice

@@ -1,0 +1,31 @@
+// Who gets what next: the rules of batch_size.hpp applied to all workers and the books. Pure: time and paces are passed
+// in, so that a whole generation can be played through in a test.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "coordinator/dispatch/batch_size.hpp"
+#include "coordinator/dispatch/in_flight.hpp"
+
+namespace coppice {
+
+// A worker that can be given something.
+struct ReadyWorker {
+  WorkerId id{};
+  WorkerPace pace;
+};
+
+struct Assignment {
+  WorkerId worker{};
+  Batch batch;
+  bool copy = false;
+};
+
+// Enters into the books what should go out now, and returns it in the order of sending: to the first that will be free
+// first; copies when nothing waits. A batch holds at most `most` slots.
+// REQUIRES: every worker is in the books; most >= 1.
+std::vector<Assignment> next_assignments(InFlight& flight, std::span<const ReadyWorker> workers, std::uint32_t most,
+                                         InFlight::Time now);
+
+}  // namespace coppice

@@ -1,0 +1,74 @@
+#include <gtest/gtest.h>
+
+#include "coordinator/bench/bench_report.hpp"
+#include "coordinator/bench/machine.hpp"
+#include "coordinator/bench/measurement.hpp"
+#include "coordinator/bench/scaling.hpp"
+#include "coordinator/bench/workload.hpp"
+#include "tests/oracles/chains.hpp"
+
+namespace coppice {
+namespace {
+
+TEST(Spread, IsTheMedianAndTheQuartiles) {
+  const Spread spread = spread_of({5.0, 1.0, 100.0, 3.0, 2.0});
+  EXPECT_DOUBLE_EQ(spread.median, 3.0);
+  EXPECT_DOUBLE_EQ(spread.low, 2.0);
+  EXPECT_DOUBLE_EQ(spread.high, 5.0);
+  EXPECT_DOUBLE_EQ(spread_of({7.0}).high, 7.0);
+  EXPECT_DOUBLE_EQ(spread_of({1.0, 2.0}).median, 1.5);
+}
+
+TEST(Machine, IsNamed) {
+  const Machine machine = this_machine();
+  EXPECT_GE(machine.cores, 1U);
+  EXPECT_FALSE(machine.processor.empty());
+  EXPECT_NE(machine.system.find("Linux"), std::string::npos) << machine.system;
+}
+
+TEST(Workload, IsTheSameEveryTime) {
+  const Chain chain = oracles::random_chain({});
+  const auto first = standard_workloads(chain);
+  const auto second = standard_workloads(chain);
+  ASSERT_EQ(first.size(), second.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(first[i].trees, second[i].trees);
+    EXPECT_EQ(first[i].job, second[i].job);
+    for (const Tree& tree : first[i].trees) {
+      EXPECT_TRUE(check_tree(tree, chain.vocabulary()).has_value());
+    }
+    EXPECT_TRUE(check_job(first[i].job).has_value());
+    EXPECT_EQ(first[i].job_of(3).generation, 3U);
+  }
+  EXPECT_EQ(light_workload(chain, 7).trees.size(), 7U);
+}
+
+// Serial 1 ms a generation; 2 workers take 0.5 ms and 0.3 ms of overhead: they save half of a generation's time.
+std::vector<WorkloadScaling> some_scaling() {
+  WorkloadScaling light{"light", 100, 5, 100, {1e-3, 1e-3, 1e-3}, {}};
+  ScalingRow two;
+  two.workers = 2;
+  two.seconds = {0.8e-3, 0.8e-3, 0.8e-3};
+  two.speed_up = {1.25, 1.25, 1.25};
+  two.overhead = {0.3e-3, 0.3e-3, 0.3e-3};
+  light.rows = {two};
+  return {light};
+}
+
+TEST(Scaling, BreaksEvenWhereWhatIsSavedIsTheOverhead) {
+  EXPECT_DOUBLE_EQ(worthwhile_seconds(some_scaling(), 2, 2), 0.6e-3);
+  EXPECT_DOUBLE_EQ(worthwhile_seconds(some_scaling(), 2, 1), 0.0);  // one core: never
+  EXPECT_DOUBLE_EQ(worthwhile_seconds(some_scaling(), 4, 2), 0.0);  // not measured
+}
+
+TEST(Verdict, SaysFromWhichWorkloadOnWorkersPay) {
+  auto scaling = some_scaling();
+  EXPECT_NE(verdict(scaling, 2).find("2 workers pay from the workload 'light' on"), std::string::npos)
+      << verdict(scaling, 2);
+  scaling[0].rows[0].speed_up = {0.9, 0.9, 0.9};
+  EXPECT_NE(verdict(scaling, 2).find("2 workers pay in none"), std::string::npos) << verdict(scaling, 2);
+  EXPECT_NE(verdict(scaling, 1).find("cannot pay"), std::string::npos) << verdict(scaling, 1);
+}
+
+}  // namespace
+}  // namespace coppice
