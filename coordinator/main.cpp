@@ -20,7 +20,6 @@
 
 namespace {
 
-using coppice::Error;
 using coppice::ErrorKind;
 using coppice::Result;
 
@@ -119,7 +118,7 @@ int run(int argc, char** argv) {
     done = flush_output();
   }
   if (!done) {
-    std::fflush(stdout);
+    static_cast<void>(std::fflush(stdout));  // the command has failed already
     return complain(done.error().message, done.error().kind == ErrorKind::bad_input ? kExitWrongUse : kExitFailed);
   }
   return 0;

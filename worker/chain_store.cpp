@@ -25,6 +25,7 @@ void ChainStore::add(const ChainHash& hash, std::shared_ptr<const PreparedChain>
 std::vector<ChainHash> ChainStore::held() const {
   const std::lock_guard lock(mutex_);
   std::vector<ChainHash> hashes;
+  hashes.reserve(chains_.size());
   for (const auto& entry : chains_) {
     hashes.push_back(entry.first);
   }

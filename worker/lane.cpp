@@ -160,7 +160,7 @@ Result<void> Lane::prepare(const std::shared_ptr<const PreparedChain>& chain, co
     return tl::unexpected(prepared.error());
   }
   job_ = std::move(*prepared);
-  evaluation_.emplace(job_);
+  evaluation_ ? evaluation_->begin(job_) : static_cast<void>(evaluation_.emplace(job_));
   return {};
 }
 

@@ -12,7 +12,16 @@ constexpr std::size_t kMaxKnown = std::size_t{1} << 16U;
 
 }  // namespace
 
-Evaluation::Evaluation(std::shared_ptr<const PreparedJob> job, Simd simd) : job_(std::move(job)), simd_(simd) {
+Evaluation::Evaluation(std::shared_ptr<const PreparedJob> job, Simd simd) : simd_(simd) { begin(std::move(job)); }
+
+void Evaluation::begin(std::shared_ptr<const PreparedJob> job) {
+  job_ = std::move(job);
+  known_.clear();
+  tallies_.clear();
+  lazy_.reset();
+  exact_.reset();
+  scores_path_ = false;
+  scores_states_ = false;
   for (const Objective& objective : job_->job().objectives) {
     scores_path_ = scores_path_ || (along_walk(objective.kind) && objective.kind != ObjectiveKind::agreement);
     scores_states_ = scores_states_ || !along_walk(objective.kind);

@@ -30,6 +30,9 @@ class Evaluation {
   // REQUIRES: `simd` is none, or best_simd().
   explicit Evaluation(std::shared_ptr<const PreparedJob> job, Simd simd = best_simd());
 
+  // Goes on with another job, as if made anew but for the memory that it holds: a generation allocates nothing.
+  void begin(std::shared_ptr<const PreparedJob> job);
+
   // One tally per tree, in their order. REQUIRES: check_tree(tree, vocabulary of the chain) for each.
   std::vector<Tally> evaluate(std::span<const Tree> trees);
   Tally evaluate(const Tree& tree) { return evaluate({&tree, 1}).front(); }

@@ -14,6 +14,7 @@
 #include "coordinator/commands/evolve_options.hpp"
 #include "coordinator/commands/learn_options.hpp"
 #include "coordinator/commands/whole_number.hpp"
+#include "coordinator/dispatch/open_evaluator.hpp"
 #include "coordinator/report/draw.hpp"
 #include "coordinator/report/json_line.hpp"
 #include "coordinator/report/score.hpp"
@@ -129,6 +130,9 @@ Result<void> run_command(const Options& options, const StopFlag& stop) {
   if (!evaluator) {
     return tl::unexpected(evaluator.error());
   }
+  if (const Result<void> checked = check_choice(*evaluator); !checked) {
+    return checked;
+  }
   const SimulateSettings settings{.episodes = options.score_episodes,
                                   .steps = learning->settings.steps,
                                   .seed = options.seed.value_or(kDefaultSeed)};
@@ -152,7 +156,7 @@ Result<void> run_command(const Options& options, const StopFlag& stop) {
   Study& study = learned->study;
   if (!options.json) {
     fmt::print("{}\n", learned->text);
-    std::fflush(stdout);
+    static_cast<void>(std::fflush(stdout));  // what could not be printed is found at the end
   }
   const Result<EvolveReport> evolved = evolve_in_study(study,
                                                        {.config = *config,
@@ -165,7 +169,7 @@ Result<void> run_command(const Options& options, const StopFlag& stop) {
   }
   if (!options.json) {
     fmt::print("{}\n", evolved->text);
-    std::fflush(stdout);
+    static_cast<void>(std::fflush(stdout));
   }
   nlohmann::ordered_json json;
   if (options.json) {

@@ -1,9 +1,15 @@
 #include "coordinator/dispatch/open_evaluator.hpp"
 
+#include "coordinator/dispatch/remote_endpoints.hpp"
 #include "coordinator/dispatch/remote_evaluator.hpp"
 #include "coordinator/dispatch/serial_evaluator.hpp"
 
 namespace coppice {
+
+Result<void> check_choice(const EvaluatorChoice& choice) {
+  return choice.kind == EvaluatorChoice::Kind::remote ? RemoteEndpoints::check_interface(choice.interface)
+                                                      : Result<void>{};
+}
 
 Result<std::unique_ptr<Evaluator>> open_evaluator(std::shared_ptr<const Chain> chain, const EvaluatorChoice& choice,
                                                   const StopFlag& stop) {

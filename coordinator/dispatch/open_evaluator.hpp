@@ -30,6 +30,9 @@ struct EvaluatorChoice {
   std::chrono::seconds wait_limit{600};  // without any worker for this long, evaluation fails
 };
 
+// For those who work long before they open: finds out what open_evaluator() would refuse about the choice itself.
+Result<void> check_choice(const EvaluatorChoice& choice);
+
 // `stop` outlives the evaluator. Errors name the flag: no such interface, a domain that is taken, no worker program.
 Result<std::unique_ptr<Evaluator>> open_evaluator(std::shared_ptr<const Chain> chain, const EvaluatorChoice& choice,
                                                   const StopFlag& stop);

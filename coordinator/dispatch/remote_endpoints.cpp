@@ -21,8 +21,8 @@ struct Joined {
 };
 
 Result<Joined> join(const std::optional<std::uint32_t>& domain, const std::string& interface) {
-  if (auto ok = wire::check_interface(interface); !ok) {
-    return in_context("--interface", ok.error());
+  if (auto ok = RemoteEndpoints::check_interface(interface); !ok) {
+    return tl::unexpected(ok.error());
   }
   const std::string configuration = wire::coordinator_configuration(interface);
   if (domain) {
@@ -49,6 +49,13 @@ Result<Joined> join(const std::optional<std::uint32_t>& domain, const std::strin
 }
 
 }  // namespace
+
+Result<void> RemoteEndpoints::check_interface(const std::string& interface) {
+  if (auto ok = wire::check_interface(interface); !ok) {
+    return in_context("--interface", ok.error());
+  }
+  return {};
+}
 
 Result<RemoteEndpoints> RemoteEndpoints::open(const std::optional<std::uint32_t>& domain,
                                               const std::string& interface) {

@@ -25,6 +25,8 @@ struct RemoteEndpoints {
   // In `domain`, or in a free one of those for local runs. `interface` by name or address. Errors name the flag: no
   // such interface; the domain is taken (or all are).
   static Result<RemoteEndpoints> open(const std::optional<std::uint32_t>& domain, const std::string& interface);
+  // The first of these errors, ahead of time.
+  static Result<void> check_interface(const std::string& interface);
 };
 
 }  // namespace coppice

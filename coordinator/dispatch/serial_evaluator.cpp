@@ -16,7 +16,7 @@ Result<std::vector<Tally>> SerialEvaluator::evaluate(std::span<const Tree> trees
       return tl::unexpected(prepared.error());
     }
     job_ = std::move(*prepared);
-    evaluation_.emplace(job_);
+    evaluation_ ? evaluation_->begin(job_) : static_cast<void>(evaluation_.emplace(job_));
   }
   std::vector<Tally> tallies;
   tallies.reserve(trees.size());

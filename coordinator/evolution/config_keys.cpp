@@ -157,12 +157,10 @@ ConfigValue value_of(const ConfigKey& key) {
   return std::visit(
       [](const auto* field) -> ConfigValue {
         using Field = std::decay_t<decltype(*field)>;
-        if constexpr (std::is_same_v<Field, double>) {
+        if constexpr (std::is_same_v<Field, double> || std::is_same_v<Field, std::uint64_t>) {
           return *field;
         } else if constexpr (std::is_same_v<Field, Acting> || std::is_same_v<Field, Method>) {
           return std::string(name_of(*field));
-        } else if constexpr (std::is_same_v<Field, std::uint64_t>) {
-          return *field;
         } else {
           return std::int64_t{*field};
         }

@@ -112,6 +112,7 @@ Result<void> run_dot(const std::string& source, std::string_view format, const s
   }
   std::vector<std::string> arguments = {"dot", fmt::format("-T{}", format), "-o", path.string()};
   std::vector<char*> argv;
+  argv.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) {
     argv.push_back(argument.data());
   }

@@ -34,7 +34,7 @@ class StandardErrorSink : public spdlog::sinks::base_sink<std::mutex> {
       show(out_, fmt::format("{}coppice: {}\n", clear_line_, printable(text)));
     }
   }
-  void flush_() override { std::fflush(out_); }
+  void flush_() override { static_cast<void>(std::fflush(out_)); }
 
  private:
   std::FILE* out_;

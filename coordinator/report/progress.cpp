@@ -1,6 +1,7 @@
 #include "coordinator/report/progress.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <iterator>
 #include <sys/ioctl.h>
@@ -17,7 +18,7 @@ constexpr std::size_t kBarColumns = 20;
 constexpr std::size_t kFewestColumns = 20;
 
 std::string duration_text(double seconds) {
-  const auto whole = static_cast<std::uint64_t>(seconds + 0.5);
+  const auto whole = static_cast<std::uint64_t>(std::llround(seconds));
   if (whole < 60) {
     return fmt::format("{} s", whole);
   }
@@ -89,7 +90,7 @@ std::string redrawn_line(const ProgressAt& at, std::size_t columns) {
 
 std::string plain_line(const ProgressAt& at) { return fmt::format("{}: {}", at.label, figures(at)); }
 
-Progress::Progress(std::FILE* out, const ProgressSettings& settings, std::string label, std::string unit,
+Progress::Progress(std::FILE* out, const ProgressSettings& settings, const std::string& label, const std::string& unit,
                    std::uint64_t total, std::uint64_t begin, Clock::time_point now)
     : out_(out),
       settings_(settings),

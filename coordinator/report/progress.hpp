@@ -42,8 +42,8 @@ std::string plain_line(const ProgressAt& at);
 class Progress {
  public:
   // `out` outlives this. Text is made printable before it is shown.
-  Progress(std::FILE* out, const ProgressSettings& settings, std::string label, std::string unit, std::uint64_t total,
-           std::uint64_t begin = 0, Clock::time_point now = Clock::now());
+  Progress(std::FILE* out, const ProgressSettings& settings, const std::string& label, const std::string& unit,
+           std::uint64_t total, std::uint64_t begin = 0, Clock::time_point now = Clock::now());
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   ~Progress();  // leaves the cursor at the start of an empty line

@@ -37,6 +37,7 @@ void write_state_table(const Chain& chain, const Tree& tree, std::ostream& out) 
   out << "visits,policy_action,tree_action\n";
 
   std::vector<std::string> action_fields;
+  action_fields.reserve(vocabulary.actions.size());
   for (const std::string& action : vocabulary.actions) {
     action_fields.push_back(csv_field(action));
   }

@@ -180,7 +180,7 @@ void settle(SQLite::Database& database) noexcept {
   try {
     database.setBusyTimeout(0);
     database.exec("PRAGMA journal_mode = DELETE");
-  } catch (const std::exception&) {
+  } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch)
     // Another process has it open and will do this when it leaves; nothing is lost.
   }
 }

@@ -73,7 +73,7 @@ class Draft {
   }
 
  private:
-  void remove() const { std::remove(path_.c_str()); }
+  void remove() const { static_cast<void>(std::remove(path_.c_str())); }
 
   // errno, or 0.
   static int sync(const std::string& path, int flags) {

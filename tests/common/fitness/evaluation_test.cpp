@@ -220,6 +220,27 @@ TEST(Evaluation, IsTheSameForTreesThatMeanTheSame) {
   EXPECT_EQ(evaluate(prepared, job, move).matches, evaluate(prepared, job, *wrapped).matches);
 }
 
+TEST(Evaluation, GoesOnWithAnotherJobAsIfMadeAnew) {
+  const auto chain = oracles::shared_random_chain({.states = 300, .actions = 3, .seed = 31});
+  const auto trees = oracles::random_trees(chain->vocabulary(), 20, 3);
+  const auto prepared = PreparedChain::make(chain);
+  Evaluation reused(*PreparedJob::make(prepared, Job{}));
+  reused.evaluate(trees);
+  for (const std::uint32_t rollouts : {40U, 3U, 9U}) {
+    for (const Method method : {Method::rollouts, Method::exact}) {
+      Job job;
+      job.rollouts = rollouts;
+      job.method = method;
+      job.acting = rollouts == 3 ? Acting::mixed : Acting::tree;
+      job.policy_share = std::uint64_t{1} << 63U;
+      job.objectives = rollouts == 9 ? std::vector<Objective>(1) : all_objectives(chain->vocabulary());
+      const auto prepared_job = *PreparedJob::make(prepared, job);
+      reused.begin(prepared_job);
+      ASSERT_EQ(reused.evaluate(trees), Evaluation(prepared_job).evaluate(trees));
+    }
+  }
+}
+
 TEST(Meanings, AreToldApartByActionTables) {
   const auto chain = oracles::shared_random_chain({.states = 200, .seed = 6});
   const auto wrapped = Tree::from_nodes(

@@ -66,6 +66,7 @@ TEST_F(Run, WrongFlagsLeaveNoFolder) {
   expect_wrong_use(small({"-o", "first", "--set", "ga.x=1"}), {"--set", "ga.x=1"});
   expect_wrong_use({"run", "-o", "first", "--workers", "0"}, {"--workers", "1 to 1024"});
   expect_wrong_use({"run", "-o", "first", "--serial", "--score-episodes", "0"}, {"--score-episodes"});
+  expect_wrong_use({"run", "-o", "first", "--remote", "--interface", "nope"}, {"--interface", "nope"});
   EXPECT_TRUE(files().empty());
 }
 
