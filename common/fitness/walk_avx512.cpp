@@ -124,7 +124,7 @@ COPPICE_AVX512 void choose_rows_avx512(const RowChoice& choice, PackedRow* out) 
   const PackedRow* rows = choice.rows.rows().data();
   const std::size_t stride = choice.rows.stride();
   const __m512i flag = _mm512_set1_epi64(static_cast<long long>(kRowFlag));
-  const __m512i next_states = _mm512_set1_epi64(static_cast<long long>(stride * kWidth));
+  const __m512i next_states = _mm512_set1_epi64(static_cast<long long>(stride) * static_cast<long long>(kWidth));
   __m512i row_of_state =
       _mm512_mullo_epi64(_mm512_set_epi64(7, 6, 5, 4, 3, 2, 1, 0), _mm512_set1_epi64(static_cast<long long>(stride)));
   std::size_t s = 0;
