@@ -11,15 +11,10 @@ namespace {
 
 // The next step of every lane starts with these loads; asked for now, they arrive while the other lanes step.
 void prefetch_state(const Chain& chain, std::uint32_t state) {
-#if defined(__GNUC__)
   const ChainParts& parts = chain.parts();
   __builtin_prefetch(parts.features.data() + state * parts.vocabulary.features.size());
   __builtin_prefetch(parts.row_begin.data() + state * chain.actions());
   __builtin_prefetch(parts.policy.data() + state);
-#else
-  (void)chain;
-  (void)state;
-#endif
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ class PreparedChain {
  public:
   enum class Form : std::uint8_t { tables, lazy };
 
-  // Tables wherever AliasRows fit: below 2^16 states a whole action table costs less than the ticks of a few hundred
+  // Tables wherever AliasRows fit: up to 2^16 states a whole action table costs less than the ticks of a few hundred
   // steps (tests/bench/evaluation_bench).
   static std::shared_ptr<const PreparedChain> make(std::shared_ptr<const Chain> chain);
   // The given form, for tests and benchmarks. REQUIRES: lazy, or AliasRows::fits(*chain).

@@ -94,12 +94,7 @@ void walk(const Walk& walk, Simd simd) {
     walk_avx512(walk);
     return;
   }
-  const bool mixed = walk.job.job().acting == Acting::mixed;
-  if (walk.path != nullptr) {
-    mixed ? walk_all<true, true>(walk) : walk_all<false, true>(walk);
-  } else {
-    mixed ? walk_all<true, false>(walk) : walk_all<false, false>(walk);
-  }
+  with_kind_of(walk, [&](auto mixed, auto path) { walk_all<mixed, path>(walk); });
 }
 
 }  // namespace coppice

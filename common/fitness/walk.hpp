@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "common/fitness/prepared_job.hpp"
@@ -42,6 +43,16 @@ void walk(const Walk& walk, Simd simd);
 // The vector kernels. REQUIRES: best_simd() == Simd::avx512.
 void choose_rows_avx512(const RowChoice& choice, PackedRow* out);
 void walk_avx512(const Walk& walk);
+
+// Calls body(mixed, path) with what the walk's kernel is specialised for, as constants: whether the policy acts in some
+// steps, and whether the path is written.
+template <typename Body>
+void with_kind_of(const Walk& walk, const Body& body) {
+  const auto with_path = [&](auto mixed) {
+    walk.path != nullptr ? body(mixed, std::true_type{}) : body(mixed, std::false_type{});
+  };
+  walk.job.job().acting == Acting::mixed ? with_path(std::true_type{}) : with_path(std::false_type{});
+}
 
 // A lane's step whose random bits do not decide alone (alias_bins.hpp).
 std::uint32_t step_carefully(const Walk& walk, std::uint32_t lane, std::uint32_t step, PackedRow row);

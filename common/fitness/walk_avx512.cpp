@@ -143,12 +143,7 @@ COPPICE_AVX512 void choose_rows_avx512(const RowChoice& choice, PackedRow* out) 
 }
 
 void walk_avx512(const Walk& walk) {
-  const bool mixed = walk.job.job().acting == Acting::mixed;
-  if (walk.path != nullptr) {
-    mixed ? walk_all<true, true>(walk) : walk_all<false, true>(walk);
-  } else {
-    mixed ? walk_all<true, false>(walk) : walk_all<false, false>(walk);
-  }
+  with_kind_of(walk, [&](auto mixed, auto path) { walk_all<mixed, path>(walk); });
 }
 
 }  // namespace coppice

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "common/duration.hpp"
+#include "coordinator/report/counted.hpp"
+#include "coordinator/report/json_line.hpp"
 
 namespace coppice {
 namespace {
@@ -23,8 +25,6 @@ std::string time_text(const Spread& seconds) {
                      50.0 * (seconds.high - seconds.low) / std::max(seconds.median, 1e-12));
 }
 
-std::string workers_text(std::size_t workers) { return fmt::format("{} worker{}", workers, workers == 1 ? "" : "s"); }
-
 std::string rate_text(double per_second) {
   return per_second >= 1e6 ? fmt::format("{:.2f} M", per_second / 1e6) : fmt::format("{:.1f} k", per_second / 1e3);
 }
@@ -35,8 +35,6 @@ Json json_of(const Machine& machine) {
   return {
       {"processor", machine.processor}, {"cores", machine.cores}, {"system", machine.system}, {"load", machine.load}};
 }
-
-std::string dump(const Json& json) { return json.dump(-1, ' ', true, Json::error_handler_t::replace); }
 
 }  // namespace
 
@@ -55,7 +53,7 @@ std::string to_text(const WorkloadScaling& scaling) {
   text += fmt::format(kRow, "serial", time_text(scaling.serial_seconds),
                       rate_text(individuals / scaling.serial_seconds.median), "1.00", "", "", "", "", "", "");
   for (const ScalingRow& row : scaling.rows) {
-    text += fmt::format(kRow, workers_text(row.workers), time_text(row.seconds),
+    text += fmt::format(kRow, counted(row.workers, "worker"), time_text(row.seconds),
                         rate_text(individuals / row.seconds.median), fmt::format("{:.2f}", row.speed_up.median),
                         fmt::format("{:.0f}%", 100.0 * row.efficiency), time_text(row.overhead.median),
                         time_text(row.bare_seconds), fmt::format("{:.1f}", row.batches),
@@ -67,8 +65,7 @@ std::string to_text(const WorkloadScaling& scaling) {
 std::string verdict(const std::vector<WorkloadScaling>& scaling, unsigned cores) {
   std::string text = "\n";
   for (const ScalingRow& any : scaling.empty() ? std::vector<ScalingRow>{} : scaling.front().rows) {
-    const std::string who = workers_text(any.workers);
-    const char* pay = any.workers == 1 ? "pays" : "pay";
+    const std::string who = counted(any.workers, "worker");
     const auto row_of = [&](const WorkloadScaling& workload) {
       return std::find_if(workload.rows.begin(), workload.rows.end(),
                           [&](const ScalingRow& row) { return row.workers == any.workers; });
@@ -81,10 +78,10 @@ std::string verdict(const std::vector<WorkloadScaling>& scaling, unsigned cores)
       continue;
     }
     if (first == scaling.end()) {
-      text += fmt::format("{} {} in none of these workloads.", who, any.workers == 1 ? "pays" : "pay");
+      text += fmt::format("{} pay in none of these workloads.", who);
     } else {
-      text += fmt::format("{} {} from the workload '{}' on (a generation of {} serially: {:.2f} times as fast).", who,
-                          pay, first->name, time_text(first->serial_seconds.median), row_of(*first)->speed_up.median);
+      text += fmt::format("{} pay from the workload '{}' on (a generation of {} serially: {:.2f} times as fast).", who,
+                          first->name, time_text(first->serial_seconds.median), row_of(*first)->speed_up.median);
     }
     const double worthwhile = worthwhile_seconds(scaling, any.workers, cores);
     text += worthwhile > 0.0 ? fmt::format(" By their overhead they break even at a generation of {} serially.\n",
@@ -149,10 +146,10 @@ std::string to_json(const Machine& machine, const ScalingSettings& settings,
     const double seconds = worthwhile_seconds(scaling, workers, settings.cores);
     pays.push_back({{"workers", workers}, {"break_even_seconds", seconds > 0.0 ? Json(seconds) : Json(nullptr)}});
   }
-  return dump({{"machine", json_of(machine)},
-               {"repetitions", settings.repetitions},
-               {"workloads", workloads},
-               {"break_even", pays}});
+  return json_line({{"machine", json_of(machine)},
+                    {"repetitions", settings.repetitions},
+                    {"workloads", workloads},
+                    {"break_even", pays}});
 }
 
 std::string to_json(const Machine& machine, const PacingSettings& settings, const std::vector<PacingRow>& rows) {
@@ -170,12 +167,12 @@ std::string to_json(const Machine& machine, const PacingSettings& settings, cons
                      {"here_seconds", row.here_seconds},
                      {"gone_seconds", row.gone_seconds}});
   }
-  return dump({{"machine", json_of(machine)},
-               {"repetitions", settings.repetitions},
-               {"pace_ns", settings.pace.count()},
-               {"slow_workers", settings.slow_workers},
-               {"slow_pace_ns", settings.slow_pace.count()},
-               {"paced", paced}});
+  return json_line({{"machine", json_of(machine)},
+                    {"repetitions", settings.repetitions},
+                    {"pace_ns", settings.pace.count()},
+                    {"slow_workers", settings.slow_workers},
+                    {"slow_pace_ns", settings.slow_pace.count()},
+                    {"paced", paced}});
 }
 
 }  // namespace coppice

@@ -136,7 +136,7 @@ void RemoteFleet::lose(WorkerId id, const std::string& why, InFlight::Farewell f
   const auto loss = flight_.lose_worker(id, farewell);
   ++statistics_.workers_lost;
   statistics_.requeued += loss.batches;
-  spdlog::warn("worker {} {}; {} batches go to others", worker->second.name(), why, loss.batches);
+  spdlog::warn("worker {} {}; batches given to others: {}", worker->second.name(), why, loss.batches);
   workers_.erase(worker);
   poisonous_.insert(poisonous_.end(), loss.poisonous.begin(), loss.poisonous.end());
 }

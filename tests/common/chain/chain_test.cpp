@@ -96,7 +96,6 @@ TEST(ChainBytes, CanBeReadInPiecesOfAnySize) {
       pieces.emplace_back(piece.begin(), piece.end());
     }
     EXPECT_EQ(hash_of(pieces), hash_of(bytes));
-    const auto last = pieces.back();
     const auto back = chain_from_pieces(pieces);
     ASSERT_TRUE(back.has_value()) << back.error().message;
     EXPECT_EQ(back->parts(), chain.parts());

@@ -6,21 +6,12 @@
 #include <gtest/gtest.h>
 
 #include "common/fitness/evaluation.hpp"
+#include "tests/common/fitness/evaluate_once.hpp"
 #include "tests/oracles/chains.hpp"
 #include "tests/oracles/trees.hpp"
 
 namespace coppice {
 namespace {
-
-std::shared_ptr<const PreparedChain> prepare(Chain chain) {
-  return PreparedChain::make(std::make_shared<const Chain>(std::move(chain)));
-}
-
-Tally evaluate(const std::shared_ptr<const PreparedChain>& chain, const Job& job, const Tree& tree) {
-  auto prepared = PreparedJob::make(chain, job);
-  EXPECT_TRUE(prepared.has_value()) << (prepared ? "" : prepared.error().message);
-  return Evaluation(*prepared).evaluate(tree);
-}
 
 Job job_of(Method method, std::uint32_t steps = 100) {
   Job job;
