@@ -8,9 +8,6 @@
 namespace coppice {
 namespace {
 
-// How often mutate_subtree() grows a subtree that would take the tree past the largest number of nodes, before it takes a leaf.
-constexpr int kMaxGrowAttempts = 8;
-
 Below draws_of(Stream& stream) {
   return [&stream](std::uint64_t n) { return stream.below(n); };
 }
@@ -82,16 +79,9 @@ Tree Breeding::mutate_leaf(Stream& stream, const Tree& tree) const {
 
 Tree Breeding::mutate_subtree(Stream& stream, const Tree& tree) const {
   const std::size_t chosen = stream.below(tree.size());
-  const TreeShape room{shape_.max_depth - tree.depth_of(chosen), shape_.max_children, kMaxTreeNodes};
   const std::size_t kept = tree.size() - tree[chosen].extent;
-  for (int attempt = 0; attempt < kMaxGrowAttempts; ++attempt) {
-    const Tree grown = grow_tree(vocabulary_, room, false, draws_of(stream));
-    if (kept + grown.size() <= shape_.max_nodes) {
-      return checked(tree.with_subtree(chosen, grown.nodes()));
-    }
-  }
-  const Node leaf = random_leaf(vocabulary_, draws_of(stream));
-  return checked(tree.with_subtree(chosen, {&leaf, 1}));
+  const TreeShape room{shape_.max_depth - tree.depth_of(chosen), shape_.max_children, shape_.max_nodes - kept};
+  return checked(tree.with_subtree(chosen, grow_tree(vocabulary_, room, false, draws_of(stream)).nodes()));
 }
 
 bool Breeding::within_limits(const Tree& tree) const {

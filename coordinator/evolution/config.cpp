@@ -141,6 +141,10 @@ Result<void> check_config(const EvolveConfig& config, const Vocabulary& vocabula
     return bad_input("rollout.schedule changes what a generation measures: expected \"constant\" where ga.search is "
                      "\"front\", which compares trees of different generations");
   }
+  if (config.ga.search == Search::front && config.front.restarts >= config.ga.generations) {
+    return bad_input(fmt::format("front.restarts is {}: expected fewer than ga.generations, which is {}",
+                                 config.front.restarts, config.ga.generations));
+  }
   if (const auto rule = parse_pick(config.front.pick); !rule) {
     return in_context("front.pick", rule.error());
   }

@@ -116,6 +116,7 @@ struct FrontConfig {
                                      measure_of(ObjectiveKind::expected_return),
                                      measure_of(ObjectiveKind::collisions), kNodesMeasure};
   std::uint32_t max_nodes = 20;  // of a tree that is kept on the front
+  std::uint32_t restarts = 0;    // times that the search begins anew; the last part goes on from what all of them kept
   std::uint32_t members = 200;   // that are kept; the most crowded go first
   std::string pick = "best fitness";  // which of them is the answer (pick.hpp)
   bool operator==(const FrontConfig&) const = default;

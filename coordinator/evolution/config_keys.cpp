@@ -168,6 +168,7 @@ std::vector<ConfigKey> keys_of(EvolveConfig& config) {
       {"fitness", "size_weight", &fitness.size_weight, 0, kMaxWeight},
       {"front", "objectives", &config.front.objectives, 0, 0},
       {"front", "max_nodes", &config.front.max_nodes, 1, kMaxTreeNodes},
+      {"front", "restarts", &config.front.restarts, 0, kMaxGenerations - 1},
       {"front", "members", &config.front.members, 1, kMaxPopulation},
       {"front", "pick", &config.front.pick, 0, 0},
   };

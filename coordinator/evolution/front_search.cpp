@@ -178,7 +178,8 @@ class FrontSearch {
 
   Result<void> run_generation(std::uint32_t generation) {
     const Clock::time_point begin = Clock::now();
-    std::vector<Tree> trees = generation == 0 ? first_population(breeding_, config_, chain_) : breed(generation);
+    const bool anew = generation % part_length() == 0 && generation / part_length() <= config_.front.restarts;
+    std::vector<Tree> trees = anew ? begin_anew(generation) : breed(generation);
     const std::size_t evaluations = trees.size();
     auto children = evaluate(std::move(trees), kFrontGeneration);
     if (!children) {
@@ -189,7 +190,7 @@ class FrontSearch {
     }
     thin_archive();
     std::move(children->begin(), children->end(), std::back_inserter(population_));
-    if (generation > 0) {
+    if (!anew) {
       select_survivors();
     }
     done_ = generation + 1;
@@ -200,18 +201,35 @@ class FrontSearch {
     return hooks_.generation_done ? hooks_.generation_done(record, checkpoint(generation)) : Result<void>();
   }
 
+  // Generations between two beginnings.
+  std::uint32_t part_length() const { return config_.ga.generations / (config_.front.restarts + 1); }
+  bool in_last_part(std::uint32_t generation) const { return generation / part_length() >= config_.front.restarts; }
+
+  // A first population; the last one has all that was kept.
+  std::vector<Tree> begin_anew(std::uint32_t generation) {
+    population_.clear();
+    std::vector<Tree> trees = first_population(breeding_, config_, chain_, generation);
+    for (std::size_t i = 0; i < std::min(archive_.size(), trees.size()) && in_last_part(generation); ++i) {
+      trees[i] = archive_[i].tree;
+    }
+    return trees;
+  }
+
   std::vector<Tree> breed(std::uint32_t generation) {
     const GaConfig& ga = config_.ga;
     Stream stream(config_.seed, Purpose::breeding, generation, 0);
     Known known;
-    for (const std::vector<Individual>* group : {&population_, &archive_}) {
-      for (const Individual& individual : *group) {
-        known.add(individual.meaning, individual.tree.size());
+    for (const Individual& individual : population_) {
+      known.add(individual.meaning, individual.tree.size());
+    }
+    for (const Individual& member : archive_) {
+      if (in_last_part(generation)) {
+        known.add(member.meaning, member.tree.size());
       }
     }
     const std::size_t costs = config_.front.objectives.size();
     const Pool population(population_, costs);
-    const Pool archive(archive_.empty() ? population_ : archive_, costs);
+    const Pool archive(archive_.empty() || !in_last_part(generation) ? population_ : archive_, costs);
     std::vector<Tree> children;
     children.reserve(ga.population);
     while (children.size() < ga.population) {

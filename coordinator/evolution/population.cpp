@@ -12,13 +12,14 @@
 
 namespace coppice {
 
-std::vector<Tree> first_population(const Breeding& breeding, const EvolveConfig& config, const Chain& chain) {
+std::vector<Tree> first_population(const Breeding& breeding, const EvolveConfig& config, const Chain& chain,
+                                   std::uint32_t generation) {
   const GaConfig& ga = config.ga;
   const std::uint64_t seed = config.seed;
   std::vector<Tree> population;
   population.reserve(ga.population);
   for (std::uint32_t slot = 0; slot < ga.population; ++slot) {
-    Stream stream(seed, Purpose::growing, 0, slot);
+    Stream stream(seed, Purpose::growing, generation, slot);
     std::optional<Tree> seeded;
     if (slot % 2 == 1 && ga.seeding != Seeding::none) {
       seeded = seed_tree(ga.seeding, chain, ga.shape(), stream);

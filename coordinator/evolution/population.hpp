@@ -13,8 +13,9 @@
 
 namespace coppice {
 
-// Grown trees; with ga.seeding every second one is seeded, as far as the limits allow.
-std::vector<Tree> first_population(const Breeding& breeding, const EvolveConfig& config, const Chain& chain);
+// Of generation 0, or of another with which a search begins anew. Grown trees; with ga.seeding every second one is seeded, as far as the limits allow.
+std::vector<Tree> first_population(const Breeding& breeding, const EvolveConfig& config, const Chain& chain,
+                                   std::uint32_t generation = 0);
 
 // What a mutation makes of a tree: a few edits, a grown subtree or a changed leaf, by the shares in `ga`.
 Tree mutated(Stream& stream, const Breeding& breeding, const GaConfig& ga, const Tree& tree);
