@@ -92,6 +92,7 @@ int run(int argc, char** argv) {
   coppice::add_score(app, invocation);
   coppice::add_prune(app, invocation);
   coppice::add_draw(app, invocation);
+  coppice::add_front(app, invocation);
   coppice::add_table(app, invocation);
   coppice::add_evaluate(app, invocation);
   coppice::add_synth(app, invocation);

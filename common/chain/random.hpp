@@ -17,7 +17,15 @@ __extension__ using Uint128 = unsigned __int128;
 std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter, std::array<std::uint32_t, 2> key);
 
 // What a stream of draws is for. Values are part of every result's identity: never renumber.
-enum class Purpose : std::uint32_t { rollout = 1, mixing = 2, redraw = 3, breeding = 4, growing = 5, simulating = 6 };
+enum class Purpose : std::uint32_t {
+  rollout = 1,
+  mixing = 2,
+  redraw = 3,
+  breeding = 4,
+  growing = 5,
+  simulating = 6,
+  starting = 7,
+};
 
 // 64 random bits at a place: 2^32 positions in each of 2^32 x 2^32 streams of each purpose and seed.
 struct DrawAt {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fmt/format.h>
 
 #include "common/chain/exact.hpp"
@@ -11,6 +12,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kActingNames = {"tree", "policy", "mixed"};
 constexpr std::array<std::string_view, kMethods> kMethodNames = {"rollouts", "exact", "discounted", "long_run"};
+constexpr std::array<std::string_view, kStarts> kStartNames = {"initial", "visits", "uniform"};
 constexpr double kTwo64 = 18446744073709551616.0;
 
 }  // namespace
@@ -33,6 +35,16 @@ Result<Method> method_named(std::string_view name) {
     return bad_input(fmt::format("no method '{}': expected one of {}", name, fmt::join(kMethodNames, ", ")));
   }
   return static_cast<Method>(found - kMethodNames.begin());
+}
+
+std::string_view name_of(Start start) { return kStartNames.at(static_cast<std::size_t>(start)); }
+
+Result<Start> start_named(std::string_view name) {
+  const auto found = std::find(kStartNames.begin(), kStartNames.end(), name);
+  if (found == kStartNames.end()) {
+    return bad_input(fmt::format("no start '{}': expected one of {}", name, fmt::join(kStartNames, ", ")));
+  }
+  return static_cast<Start>(found - kStartNames.begin());
 }
 
 std::uint64_t fixed_point_share(double value) {
@@ -63,6 +75,11 @@ Result<void> check_job(const Job& job) {
     if (objective.kind != ObjectiveKind::shaped && !objective.rules.empty()) {
       return bad_input(fmt::format("objective '{}' has rules: only 'shaped' may", name_of(objective.kind)));
     }
+    const double threshold = objective.threshold;
+    if (has_threshold(objective.kind) ? !(std::abs(threshold) <= kMaxThreshold) : threshold != 0.0) {
+      return bad_input(fmt::format("objective '{}' has threshold {}: expected {}", name_of(objective.kind), threshold,
+                                   has_threshold(objective.kind) ? "a finite number within +-2^53" : "0"));
+    }
   }
   if (job.rollouts == 0 || job.rollouts > kMaxRollouts) {
     return bad_input(fmt::format("{} roll-outs: expected 1 to {}", job.rollouts, kMaxRollouts));
@@ -73,6 +90,10 @@ Result<void> check_job(const Job& job) {
   if (std::uint64_t{job.rollouts} * job.steps > kMaxWalkedSteps) {
     return bad_input(fmt::format("{} roll-outs of {} steps: expected at most {} steps in all", job.rollouts, job.steps,
                                  kMaxWalkedSteps));
+  }
+  if (job.method != Method::rollouts && job.start != Start::initial) {
+    return bad_input(fmt::format("start is '{}' of method '{}': only '{}' start elsewhere than in the initial state",
+                                 name_of(job.start), name_of(job.method), name_of(Method::rollouts)));
   }
   if (job.method != Method::discounted && job.gamma != 0) {
     return bad_input(fmt::format("gamma is {} of method '{}': only 'discounted' has one", fixed_point_value(job.gamma),

@@ -16,6 +16,14 @@ enum class Acting : std::uint8_t { tree = 0, policy = 1, mixed = 2 };
 std::string_view name_of(Acting acting);
 Result<Acting> acting_named(std::string_view name);
 
+// Where a roll-out starts: in the chain's initial state, or in a state drawn as often as it was visited in learning, or
+// uniformly: starts that reach what walks from the initial state rarely meet.
+enum class Start : std::uint8_t { initial = 0, visits = 1, uniform = 2 };
+inline constexpr std::uint8_t kStarts = 3;
+
+std::string_view name_of(Start start);
+Result<Start> start_named(std::string_view name);
+
 // How what is scored along the walk is found (exact_evaluation.hpp): sampled by roll-outs, or computed as the expected
 // value over the same number of steps, discounted, or as the mean over infinitely many steps.
 enum class Method : std::uint8_t { rollouts = 0, exact = 1, discounted = 2, long_run = 3 };
@@ -41,6 +49,7 @@ struct Job {
   Acting acting = Acting::tree;
   std::uint64_t policy_share = 0;  // mixed: the policy acts in a step with probability policy_share / 2^64
   Method method = Method::rollouts;
+  Start start = Start::initial;  // of roll-outs; the other methods start in the initial state
   std::uint64_t gamma = 0;       // discounted: step i weighs (gamma / 2^64)^i; 0 otherwise
   std::uint64_t seed = 0;        // of the run
   std::uint32_t generation = 0;  // with the seed and the roll-out, it names the stream of random numbers

@@ -1,5 +1,6 @@
 #include "common/fitness/lazy_walk.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "common/check.hpp"
@@ -38,7 +39,7 @@ std::uint64_t LazyWalk::walk_pass(const Tree& tree, std::uint32_t pass, bool rec
   const std::uint32_t* draws = job_.draws(pass);
   const std::uint8_t* policy_acts = job_.policy_acts(pass);
   std::array<std::uint32_t, PreparedJob::kPassLanes> state;
-  state.fill(chain.initial_state());
+  std::copy_n(job_.starts(pass), job_.lanes(), state.begin());
   std::uint64_t matches = 0;
   for (std::uint32_t step = 0; step < job.steps; ++step) {
     for (std::uint32_t lane = 0; lane < lanes; ++lane) {

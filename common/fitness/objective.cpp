@@ -10,8 +10,8 @@
 namespace coppice {
 namespace {
 
-constexpr std::array<std::string_view, kObjectiveKinds> kNames = {"agreement", "q_value", "shaped",
-                                                                  "coverage",  "visits",  "return"};
+constexpr std::array<std::string_view, kObjectiveKinds> kNames = {
+    "agreement", "q_value", "shaped", "coverage", "visits", "return", "regret", "seen", "collisions", "unknown"};
 
 bool holds(const Node& condition, std::span<const std::uint8_t> features) {
   const std::uint8_t value = features[condition.index];
@@ -56,6 +56,10 @@ class TableMaker {
   }
 
   Result<ScoreTable> make() {
+    if (!(std::abs(objective_.threshold) <= kMaxThreshold)) {
+      return bad_input(fmt::format("objective '{}' has threshold {}: expected within +-{}", name_of(objective_.kind),
+                                   objective_.threshold, kMaxThreshold));
+    }
     switch (objective_.kind) {
       case ObjectiveKind::agreement:
       case ObjectiveKind::coverage:
@@ -78,6 +82,21 @@ class TableMaker {
         if (auto ok = fill_values(); !ok) {
           return tl::unexpected(ok.error());
         }
+        break;
+      case ObjectiveKind::regret:
+        if (auto ok = fill_regret(); !ok) {
+          return tl::unexpected(ok.error());
+        }
+        break;
+      case ObjectiveKind::seen:
+        for (std::size_t s = 0; s < chain_.states(); ++s) {
+          const bool seen = static_cast<double>(chain_.parts().visits[s]) >= objective_.threshold;
+          at(s, index_of(chain_.policy(s))) = seen ? 1 : 0;
+        }
+        break;
+      case ObjectiveKind::collisions:
+      case ObjectiveKind::unknown:
+        fill_unwanted();
         break;
     }
     find_best();
@@ -126,6 +145,45 @@ class TableMaker {
       }
     }
     return {};
+  }
+
+  Result<void> fill_regret() {
+    table_.unit = kRegretOne;
+    double visits = 0.0;
+    for (const std::uint64_t count : chain_.parts().visits) {
+      visits += static_cast<double>(count);
+    }
+    const std::size_t actions = chain_.actions();
+    for (std::size_t s = 0; s < chain_.states(); ++s) {
+      const double* q = chain_.parts().q.data() + s * actions;
+      const double best = *std::max_element(q, q + actions);
+      const double share = visits > 0.0 ? static_cast<double>(chain_.parts().visits[s]) / visits : 0.0;
+      std::int64_t worst = 0;
+      for (std::size_t a = 0; a < actions; ++a) {
+        if (!(best - q[a] <= 2.0 * kMaxScoredValue)) {
+          return bad_input(fmt::format("objective 'regret': state {} has Q-values {} apart: expected at most {}", s,
+                                       best - q[a], 2.0 * kMaxScoredValue));
+        }
+        at(s, a) = std::llround((best - q[a]) * share * kRegretOne);
+        worst = std::max(worst, at(s, a));
+      }
+      at(s, actions) = worst;
+    }
+    return {};
+  }
+
+  // Steps that count once: into a collision, or off the edge of what the chain knows.
+  void fill_unwanted() {
+    for (std::size_t s = 0; s < chain_.states(); ++s) {
+      for (std::size_t a = 0; a < chain_.actions(); ++a) {
+        const std::size_t row = s * chain_.actions() + a;
+        const bool tried = chain_.tries(row) > 0;
+        const bool counts = objective_.kind == ObjectiveKind::unknown
+                                ? !tried
+                                : tried && chain_.mean_reward(row) <= objective_.threshold;
+        at(s, a) = counts ? 1 : 0;
+      }
+    }
   }
 
   void find_best() {

@@ -22,13 +22,23 @@ enum class ObjectiveKind : std::uint8_t {
   coverage = 3,         // states in which tree and policy agree; no walk (thesis Table IV, first row)
   visits = 4,           // the same, each state weighted by its visits; no walk
   expected_return = 5,  // mean reward recorded for (s, a) along the walk, fixed point; called "return" in text
+  regret = 6,           // cost: V(s) - Q(s, tree's action), each state as often as it was visited; no walk
+  seen = 7,             // coverage of the states that were visited `threshold` times or more; no walk
+  collisions = 8,       // cost: steps of the walk whose recorded mean reward is `threshold` or less
+  unknown = 9,          // cost: steps of the walk whose (s, a) was never tried, so that nothing is known of them
 };
-inline constexpr std::uint8_t kObjectiveKinds = 6;
+inline constexpr std::uint8_t kObjectiveKinds = 10;
 
 // Fixed point of q_value and expected_return: value = score / kScoreOne. Values beyond +-kMaxScoredValue are
 // refused, so that a sum over kMaxWalkedSteps steps stays far below 2^63.
 inline constexpr double kScoreOne = 1048576.0;  // 2^20
 inline constexpr double kMaxScoredValue = 2048.0;
+// Fixed point of regret, which is a mean: value = score / kRegretOne, the mean over all visits of
+//   regret(s, a) = max over b of Q(s, b) - Q(s, a)                    [states x actions], unit of a Q-value
+// (the loss that Ross and Bagnell 2014, "Reinforcement and imitation learning via interactive no-regret learning",
+// imitate by: a wrong action that costs nothing is no error). No action counts as the worst one.
+inline constexpr double kRegretOne = 1099511627776.0;        // 2^40
+inline constexpr double kMaxThreshold = 9007199254740992.0;  // 2^53
 inline constexpr std::size_t kMaxShapedRules = 32;
 inline constexpr std::size_t kMaxShapedConditions = 32;
 
@@ -42,14 +52,25 @@ struct ShapedRule {
 
 struct Objective {
   ObjectiveKind kind = ObjectiveKind::agreement;
-  std::vector<ShapedRule> rules;  // shaped only: the first rule that holds scores the state
+  std::vector<ShapedRule> rules = {};  // shaped only: the first rule that holds scores the state
+  double threshold = 0.0;              // seen: fewest visits; collisions: highest mean reward; others: 0
   bool operator==(const Objective&) const = default;
 };
 
 std::string_view name_of(ObjectiveKind kind);
 // Errors list the names that exist.
 Result<ObjectiveKind> objective_named(std::string_view name);
-inline bool along_walk(ObjectiveKind kind) { return kind != ObjectiveKind::coverage && kind != ObjectiveKind::visits; }
+constexpr bool along_walk(ObjectiveKind kind) {
+  return kind != ObjectiveKind::coverage && kind != ObjectiveKind::visits && kind != ObjectiveKind::regret &&
+         kind != ObjectiveKind::seen;
+}
+// The fewer the better.
+constexpr bool is_cost(ObjectiveKind kind) {
+  return kind == ObjectiveKind::regret || kind == ObjectiveKind::collisions || kind == ObjectiveKind::unknown;
+}
+constexpr bool has_threshold(ObjectiveKind kind) {
+  return kind == ObjectiveKind::seen || kind == ObjectiveKind::collisions;
+}
 
 // The rules of thesis Algorithm 2 (page 5-8): trash on s3, s4 or s5: +8 / -4; else a wall on s3: +1 / -2; else +1 / 0.
 // We differ: the thesis prints "s0 = 0" in the second rule, its prose says s3; we follow the prose.
@@ -60,11 +81,12 @@ Result<std::vector<ShapedRule>> thesis_rules(const Vocabulary& vocabulary);
 struct ScoreTable {
   std::vector<std::int64_t> scores;  // [states x (actions + 1)]
   double unit = 1.0;                 // value = sum of scores / unit
-  std::int64_t best_per_step = 1;    // along the walk: the largest score; over states: the sum of the largest
+  std::int64_t best_per_step = 1;  // along the walk: the largest score; over states: the sum of the largest. Of a cost
+                                   // the worst
 };
 
 // Errors: shaped without rules or with too many, or with a condition outside the vocabulary; a value beyond
-// kMaxScoredValue.
+// kMaxScoredValue; a threshold that is not finite, or beyond kMaxThreshold.
 Result<ScoreTable> make_score_table(const Chain& chain, const Objective& objective);
 
 }  // namespace coppice

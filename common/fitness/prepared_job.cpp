@@ -1,6 +1,7 @@
 #include "common/fitness/prepared_job.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace coppice {
 namespace {
@@ -52,6 +53,7 @@ Result<std::shared_ptr<const PreparedJob>> PreparedJob::make(std::shared_ptr<con
   }
   prepared->lay_out();
   prepared->draw_all();
+  prepared->draw_starts();
   return std::shared_ptr<const PreparedJob>(std::move(prepared));
 }
 
@@ -70,6 +72,35 @@ void PreparedJob::lay_out() {
 
 std::uint32_t PreparedJob::lanes_used(std::uint32_t pass, std::uint32_t trees) const {
   return passes_ > 1 ? std::min(kPassLanes, job_.rollouts - pass * kPassLanes) : trees * job_.rollouts;
+}
+
+void PreparedJob::draw_starts() {
+  const Chain& chain = chain_->chain();
+  starts_.assign(std::size_t{passes_} * lanes_, chain.initial_state());
+  if (job_.start == Start::initial) {
+    return;
+  }
+  std::vector<std::uint64_t> visits_to;  // [states], of this state and all before it
+  if (job_.start == Start::visits) {
+    visits_to.resize(chain.states());
+    std::partial_sum(chain.parts().visits.begin(), chain.parts().visits.end(), visits_to.begin());
+  }
+  for (std::uint32_t rollout = 0; rollout < job_.rollouts; ++rollout) {
+    Stream stream(job_.seed, Purpose::starting, job_.generation, rollout);
+    std::uint64_t state = 0;
+    if (job_.start == Start::uniform) {
+      state = stream.below(chain.states());
+    } else if (visits_to.back() > 0) {  // a chain without visits has no other start than its own
+      const auto found = std::upper_bound(visits_to.begin(), visits_to.end(), stream.below(visits_to.back()));
+      state = static_cast<std::uint64_t>(found - visits_to.begin());
+    } else {
+      state = chain.initial_state();
+    }
+    const std::size_t first = std::size_t{rollout / kPassLanes} * lanes_ + rollout % kPassLanes;
+    for (std::uint32_t tree = 0; tree < trees_per_pass_; ++tree) {
+      starts_[first + std::size_t{tree} * job_.rollouts] = static_cast<std::uint32_t>(state);
+    }
+  }
 }
 
 void PreparedJob::draw_all() {

@@ -45,6 +45,8 @@ class PreparedJob {
   std::uint32_t tree_of(std::uint32_t lane) const { return passes_ > 1 ? 0 : lane / job_.rollouts; }
   // 32 random bits for each step of a pass. [steps x lanes] REQUIRES (also below): method rollouts.
   const std::uint32_t* draws(std::uint32_t pass) const { return draws_.data() + offset(pass); }
+  // Where the roll-outs of a pass start. [lanes]
+  const std::uint32_t* starts(std::uint32_t pass) const { return starts_.data() + std::size_t{pass} * lanes_; }
   // Mixed acting policy: 1 where the policy chooses the step. [steps x lanes]; null otherwise.
   const std::uint8_t* policy_acts(std::uint32_t pass) const {
     return policy_acts_.empty() ? nullptr : policy_acts_.data() + offset(pass);
@@ -54,6 +56,7 @@ class PreparedJob {
   PreparedJob() = default;
   void lay_out();
   void draw_all();
+  void draw_starts();
   std::size_t offset(std::uint32_t pass) const { return std::size_t{pass} * job_.steps * lanes_; }
 
   std::shared_ptr<const PreparedChain> chain_;
@@ -62,6 +65,7 @@ class PreparedJob {
   std::uint32_t passes_ = 1;
   std::uint32_t lanes_ = kVectorLanes;
   std::vector<std::uint32_t> draws_;       // [passes x steps x lanes]
+  std::vector<std::uint32_t> starts_;      // [passes x lanes]
   std::vector<std::uint8_t> policy_acts_;  // the same, or empty
   std::shared_ptr<const std::vector<ScoreTable>> tables_;
 };

@@ -21,7 +21,7 @@ void walk_lanes(const Walk& walk, std::uint32_t first) {
   std::array<std::uint64_t, Lanes> matches{};
   for (std::uint32_t lane = 0; lane < Lanes; ++lane) {
     table[lane] = walk.rows + walk.first_row[first + lane];
-    state[lane] = walk.job.chain().chain().initial_state();
+    state[lane] = walk.job.starts(walk.pass)[first + lane];
   }
   for (std::uint32_t step = 0; step < steps; ++step) {
     const std::size_t at = std::size_t{step} * stride;

@@ -33,13 +33,15 @@ COPPICE_AVX512 void walk_vectors(const Walk& walk, const Constants& constants, s
   const __m512i reach = _mm512_set1_epi64(static_cast<long long>(constants.reach));
   const __m512i last_decided = _mm512_set1_epi64(static_cast<long long>(constants.last_decided));
   const __m512i states = _mm512_set1_epi64(static_cast<long long>(constants.states));
-  const __m512i start = _mm512_set1_epi64(walk.job.chain().chain().initial_state());
+  const std::uint32_t* starts = walk.job.starts(walk.pass) + first;
   __m512i base[Vectors];
   __m512i at[Vectors];
   __m512i matches[Vectors];
   for (std::uint32_t v = 0; v < Vectors; ++v) {
     base[v] = _mm512_cvtepu32_epi64(
         _mm256_loadu_si256(reinterpret_cast<const __m256i*>(walk.first_row + first + std::size_t{v} * kWidth)));
+    const __m512i start =
+        _mm512_cvtepu32_epi64(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(starts + std::size_t{v} * kWidth)));
     at[v] = _mm512_add_epi64(base[v], start);
     matches[v] = _mm512_setzero_si512();
   }

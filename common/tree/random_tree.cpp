@@ -27,7 +27,7 @@ class Growth {
       : vocabulary_(vocabulary), shape_(shape), below_(below) {}
 
   void grow(std::size_t depth, bool composite_wanted) {
-    const std::size_t free = kMaxTreeNodes - promised_;
+    const std::size_t free = shape_.max_nodes - promised_;
     if (depth == shape_.max_depth || free < kMinChildren || !(composite_wanted || below_(4) != 0)) {
       nodes_.push_back(random_leaf(vocabulary_, below_));
       return;

@@ -13,6 +13,7 @@ namespace coppice {
 struct TreeShape {
   std::size_t max_depth = 3;     // D_d of thesis Table III, in edges from the root
   std::size_t max_children = 4;  // D_c of thesis Table III
+  std::size_t max_nodes = kMaxTreeNodes;
 };
 
 // Uniform in [0, n) for n > 0.
@@ -26,7 +27,7 @@ Node mutated_leaf(const Node& leaf, const Vocabulary& vocabulary, const Below& b
 
 // A tree of depth at most shape.max_depth whose composites have 2 to shape.max_children children: at each place above
 // the limit a composite or a leaf is drawn, at the limit a leaf. With `composite_root` the root is a composite if the
-// limits allow it. Stays within kMaxTreeNodes. REQUIRES: max_children >= 2, max_depth <= kMaxTreeDepth.
+// limits allow it. REQUIRES: max_children >= 2, max_depth <= kMaxTreeDepth, 1 <= max_nodes <= kMaxTreeNodes.
 Tree grow_tree(const Vocabulary& vocabulary, const TreeShape& shape, bool composite_root, const Below& below);
 
 }  // namespace coppice

@@ -69,9 +69,11 @@ void put_job(const Job& job, ByteWriter& writer) {
   writer.put(job.policy_share);
   writer.put(job.method);
   writer.put(job.gamma);
+  writer.put(job.start);
   writer.put(static_cast<std::uint8_t>(job.objectives.size()));
   for (const Objective& objective : job.objectives) {
     writer.put(objective.kind);
+    writer.put(objective.threshold);
     writer.put(static_cast<std::uint8_t>(objective.rules.size()));
     for (const ShapedRule& rule : objective.rules) {
       writer.put(rule.right);
@@ -120,6 +122,7 @@ Result<Job> get_job(ByteReader& reader) {
   job.policy_share = reader.get<std::uint64_t>();
   const auto method = reader.get<std::uint8_t>();
   job.gamma = reader.get<std::uint64_t>();
+  const auto start = reader.get<std::uint8_t>();
   const auto objectives = reader.get<std::uint8_t>();
   if (acting > static_cast<std::uint8_t>(Acting::mixed)) {
     return bad_input(fmt::format("acting policy {} is unknown", acting));
@@ -129,6 +132,10 @@ Result<Job> get_job(ByteReader& reader) {
     return bad_input(fmt::format("method {} is unknown", method));
   }
   job.method = static_cast<Method>(method);
+  if (start >= kStarts) {
+    return bad_input(fmt::format("start {} is unknown", start));
+  }
+  job.start = static_cast<Start>(start);
   if (objectives > kMaxObjectives) {
     return bad_input(fmt::format("job has {} objectives: expected at most {}", objectives, kMaxObjectives));
   }
@@ -138,11 +145,12 @@ Result<Job> get_job(ByteReader& reader) {
     if (kind >= kObjectiveKinds) {
       return bad_input(fmt::format("objective {} is unknown", kind));
     }
+    const auto threshold = reader.get<double>();
     auto rules = get_rules(reader);
     if (!rules) {
       return tl::unexpected(rules.error());
     }
-    job.objectives.push_back({static_cast<ObjectiveKind>(kind), std::move(*rules)});
+    job.objectives.push_back({static_cast<ObjectiveKind>(kind), std::move(*rules), threshold});
   }
   if (!reader.ok()) {
     return bad_input("job is cut short");

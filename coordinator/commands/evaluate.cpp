@@ -31,6 +31,7 @@ struct Options {
   EvaluatorOption evaluator;
   EvolveConfig config;  // seed and rollout only
   std::string acting;
+  std::string start;
   bool exact = false;
   std::optional<double> discounted;
   bool long_run = false;
@@ -50,6 +51,11 @@ Result<Question> question_of(const Options& options, const Chain& chain) {
     return in_context("--acting", acting.error());
   }
   config.rollout.acting = *acting;
+  const Result<Start> start = start_named(options.start);
+  if (!start) {
+    return in_context("--start", start.error());
+  }
+  config.rollout.start = *start;
   RolloutConfig& rollout = config.rollout;
   rollout.method = options.exact        ? Method::exact
                    : options.discounted ? Method::discounted
@@ -82,7 +88,10 @@ Result<Question> question_of(const Options& options, const Chain& chain) {
     if (!kind) {
       return in_context("--objective", kind.error());
     }
-    Objective objective{.kind = *kind, .rules = {}};
+    Objective objective{.kind = *kind};
+    objective.threshold = *kind == ObjectiveKind::seen         ? options.config.fitness.seen_visits
+                          : *kind == ObjectiveKind::collisions ? options.config.fitness.collision_reward
+                                                               : 0.0;
     if (*kind == ObjectiveKind::shaped) {
       Result<std::vector<ShapedRule>> rules = thesis_rules(chain.vocabulary());
       if (!rules) {
@@ -213,6 +222,7 @@ Result<void> evaluate_command(const Options& options, const StopFlag& stop) {
 void add_evaluate(CLI::App& app, Invocation& invocation) {
   const auto options = std::make_shared<Options>();
   options->acting = name_of(options->config.rollout.acting);
+  options->start = name_of(options->config.rollout.start);
   RolloutConfig& rollout = options->config.rollout;
   CLI::App* command = app.add_subcommand("evaluate", "Evaluate trees: text form in, one a line; JSON out, one a line");
   command->add_option("STUDY", options->study, "The study file")->required();
@@ -249,6 +259,17 @@ void add_evaluate(CLI::App& app, Invocation& invocation) {
   command->add_option("--objective", options->objectives, "What to score; may be repeated (default: agreement)")
       ->type_name("NAME")
       ->allow_extra_args(false);
+  command
+      ->add_option("--seen-visits", options->config.fitness.seen_visits,
+                   "Objective seen: fewest visits of a state that counts")
+      ->capture_default_str();
+  command
+      ->add_option("--collision-reward", options->config.fitness.collision_reward,
+                   "Objective collisions: a step collides when the mean reward recorded for it is this or less")
+      ->capture_default_str();
+  command->add_option("--start", options->start, "Where a walk starts")
+      ->type_name("initial|visits|uniform")
+      ->capture_default_str();
   command->footer(
       "Answers come in the order of the trees: nodes, matches and steps (agreement along the walks), and of every\n"
       "objective its integer score and its value in its own unit, summed over the walks or over all states;\n"

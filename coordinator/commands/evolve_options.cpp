@@ -190,6 +190,9 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
   const Tree pruned = simplify(evolved->best.tree, vocabulary, StateColumns(vocabulary, chain->parts().features)).tree;
   const RunStatus status = evolved->interrupted ? RunStatus::interrupted : RunStatus::finished;
   const Json outcome = outcome_json(*evolved, statistics, seconds);
+  if (const Result<void> saved = study.save_front(run, evolved->front); !saved) {
+    return tl::unexpected(saved.error());
+  }
   const Result<void> finished = study.finish_run(
       run, {.status = status, .tree = evolved->best.tree, .pruned = pruned, .json = json_line(outcome)});
   if (!finished) {
@@ -208,12 +211,18 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
                           static_cast<double>(std::max<std::uint64_t>(1, statistics.individuals)));
   text += fmt::format("evolved, {}:\n{}\n", counted(evolved->best.tree.size(), "node"), tree_text);
   text += fmt::format("pruned, {}:\n{}\n", counted(pruned.size(), "node"), pruned_text);
+  if (!evolved->front.members.empty()) {
+    text += fmt::format("front: {} (coppice front {})\n", counted(evolved->front.members.size(), "tree"), study.path());
+  }
   Json json = {{"study", study.path()},
                {"run", static_cast<std::int64_t>(run)},
                {"status", name_of(status)},
                {"evaluator", in_words(task.evaluator)},
                {"seed", started->config.seed}};
   json.update(outcome);
+  if (!evolved->front.members.empty()) {
+    json["front"] = evolved->front.members.size();
+  }
   json["tree"] = tree_text;
   json["nodes"] = evolved->best.tree.size();
   json["pruned"] = pruned_text;

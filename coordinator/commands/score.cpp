@@ -19,6 +19,7 @@ struct Options {
   std::uint64_t episodes = SimulateSettings{}.episodes;
   std::optional<std::uint32_t> steps;
   std::uint64_t seed = SimulateSettings{}.seed;
+  std::uint64_t seen = kSeenVisits;
   bool exact = false;
   bool json = false;
 };
@@ -39,7 +40,8 @@ Result<void> score_command(const Options& options, const StopFlag& stop) {
   const SimulateSettings settings{.episodes = options.episodes,
                                   .steps = options.steps ? *options.steps : learned_steps(*study),
                                   .seed = options.seed};
-  Result<Score> score = score_tree(*world, study->chain(), *tree, settings, [&] { return !stop.raised(); });
+  Result<Score> score = score_tree(
+      *world, study->chain(), *tree, settings, [&] { return !stop.raised(); }, options.seen);
   if (!score) {
     return tl::unexpected(score.error());
   }
@@ -66,6 +68,10 @@ void add_score(CLI::App& app, Invocation& invocation) {
       ->capture_default_str();
   command->add_option("--steps", options->steps, "Steps per episode (default: as in learning)")->check(whole_number());
   command->add_option("--seed", options->seed, "Of the simulator")->check(whole_number())->capture_default_str();
+  command->add_option("--seen", options->seen, "Also agreement over the states visited so often or more in learning")
+      ->type_name("N")
+      ->check(whole_number())
+      ->capture_default_str();
   command->add_flag("--exact", options->exact,
                     "Also what is expected along the chain, computed: agreement and reward over --steps steps");
   command->add_flag("--json", options->json, "Report as one JSON object");

@@ -8,9 +8,6 @@
 namespace coppice {
 namespace {
 
-// How often mutate_subtree() grows a subtree that would take the tree past kMaxTreeNodes, before it takes a leaf.
-constexpr int kMaxGrowAttempts = 8;
-
 Below draws_of(Stream& stream) {
   return [&stream](std::uint64_t n) { return stream.below(n); };
 }
@@ -40,7 +37,8 @@ std::vector<Place> places_of(const Tree& tree) {
 }  // namespace
 
 Breeding::Breeding(const Vocabulary& vocabulary, const TreeShape& shape) : vocabulary_(vocabulary), shape_(shape) {
-  COPPICE_CHECK(shape.max_children >= 2 && shape.max_depth <= kMaxTreeDepth);
+  COPPICE_CHECK(shape.max_children >= 2 && shape.max_depth <= kMaxTreeDepth && shape.max_nodes >= 1 &&
+                shape.max_nodes <= kMaxTreeNodes);
 }
 
 Tree Breeding::grow(Stream& stream) const { return checked(grow_tree(vocabulary_, shape_, true, draws_of(stream))); }
@@ -56,11 +54,11 @@ std::pair<Tree, Tree> Breeding::crossover(Stream& stream, const Tree& a, const T
   for (std::size_t i = 0; i < b.size(); ++i) {
     const std::size_t nodes = b[i].extent;
     if (in_a[cut].depth + in_b[i].height <= shape_.max_depth && in_b[i].depth + in_a[cut].height <= shape_.max_depth &&
-        a.size() - cut_nodes + nodes <= kMaxTreeNodes && b.size() - nodes + cut_nodes <= kMaxTreeNodes) {
+        a.size() - cut_nodes + nodes <= shape_.max_nodes && b.size() - nodes + cut_nodes <= shape_.max_nodes) {
       partners.push_back(i);
     }
   }
-  if (partners.empty()) {  // only near kMaxTreeNodes: swap the roots
+  if (partners.empty()) {  // only near the largest number of nodes: swap the roots
     return {b, a};
   }
   const std::size_t partner = partners[stream.below(partners.size())];
@@ -81,20 +79,13 @@ Tree Breeding::mutate_leaf(Stream& stream, const Tree& tree) const {
 
 Tree Breeding::mutate_subtree(Stream& stream, const Tree& tree) const {
   const std::size_t chosen = stream.below(tree.size());
-  const TreeShape room{shape_.max_depth - tree.depth_of(chosen), shape_.max_children};
   const std::size_t kept = tree.size() - tree[chosen].extent;
-  for (int attempt = 0; attempt < kMaxGrowAttempts; ++attempt) {
-    const Tree grown = grow_tree(vocabulary_, room, false, draws_of(stream));
-    if (kept + grown.size() <= kMaxTreeNodes) {
-      return checked(tree.with_subtree(chosen, grown.nodes()));
-    }
-  }
-  const Node leaf = random_leaf(vocabulary_, draws_of(stream));
-  return checked(tree.with_subtree(chosen, {&leaf, 1}));
+  const TreeShape room{shape_.max_depth - tree.depth_of(chosen), shape_.max_children, shape_.max_nodes - kept};
+  return checked(tree.with_subtree(chosen, grow_tree(vocabulary_, room, false, draws_of(stream)).nodes()));
 }
 
 bool Breeding::within_limits(const Tree& tree) const {
-  if (tree.size() > kMaxTreeNodes || tree.depth() > shape_.max_depth || !check_tree(tree, vocabulary_)) {
+  if (tree.size() > shape_.max_nodes || tree.depth() > shape_.max_depth || !check_tree(tree, vocabulary_)) {
     return false;
   }
   for (std::size_t i = 0; i < tree.size(); ++i) {

@@ -1,5 +1,5 @@
 // The genetic operators (thesis III-D): from parents and chance to children. Invariant: given parents within the limits
-// (shape, kMaxTreeNodes, the vocabulary), every child is within them; that is checked on each child. Const; a Stream
+// (shape, the vocabulary), every child is within them; that is checked on each child. Const; a Stream
 // belongs to its caller, so one Breeding serves any number of threads.
 #pragma once
 
@@ -13,7 +13,8 @@ namespace coppice {
 
 class Breeding {
  public:
-  // The vocabulary must outlive it. REQUIRES: shape.max_children >= 2, shape.max_depth <= kMaxTreeDepth.
+  // The vocabulary must outlive it. REQUIRES: shape.max_children >= 2, shape.max_depth <= kMaxTreeDepth,
+  // 1 <= shape.max_nodes <= kMaxTreeNodes.
   Breeding(const Vocabulary& vocabulary, const TreeShape& shape);
 
   // A new individual whose root is a composite, if the limits allow one.
@@ -28,6 +29,16 @@ class Breeding {
 
   // Macro mutation, "headless chicken crossover": a uniform node is replaced by a grown subtree.
   Tree mutate_subtree(Stream& stream, const Tree& tree) const;
+
+  // A few small changes at random places: a leaf or the kind of a composite is changed; a leaf, or a sequence of
+  // conditions and an action, is put in; a subtree is taken out, moved, or wrapped with a leaf; two siblings swap
+  // places. Then composites with one child, or of their parent's kind, are dissolved. The tree itself where no attempt
+  // stayed within the limits and changed it.
+  Tree edit(Stream& stream, const Tree& tree) const;
+
+  // simplify() that holds in every possible state; the tree itself if that left the limits, which it can only by
+  // max_children.
+  Tree simplified(const Tree& tree) const;
 
   // Depth, number of nodes, 2 to max_children children of every composite, and the vocabulary.
   bool within_limits(const Tree& tree) const;

@@ -6,6 +6,7 @@
 
 #include "common/check.hpp"
 #include "common/tree/text.hpp"
+#include "coordinator/evolution/pick.hpp"
 
 namespace coppice {
 namespace {
@@ -37,7 +38,54 @@ Result<void> check_walk(const char* key, std::uint32_t rollouts, std::uint32_t s
   return {};
 }
 
+// Of a mixed acting policy. The last generation's share also holds for the final sample.
+double policy_share_in(const EvolveConfig& config, std::uint32_t generation) {
+  const RolloutConfig& rollout = config.rollout;
+  const std::uint32_t last = config.ga.generations - 1;
+  const std::uint32_t at = std::min(generation, last);
+  switch (rollout.schedule) {
+    case Schedule::linear:
+      return last == 0 ? rollout.policy_share_end
+                       : rollout.policy_share + (rollout.policy_share_end - rollout.policy_share) * at / last;
+    case Schedule::step:
+      return at < config.ga.generations / 2 ? rollout.policy_share : rollout.policy_share_end;
+    case Schedule::constant:
+      break;
+  }
+  return rollout.policy_share;
+}
+
 }  // namespace
+
+std::string_view name_of(Search search) { return search == Search::front ? "front" : "scalar"; }
+
+std::string_view name_of(Simplification simplification) {
+  return simplification == Simplification::lossless ? "lossless" : "none";
+}
+
+std::string_view name_of(Seeding seeding) {
+  switch (seeding) {
+    case Seeding::branches:
+      return "branches";
+    case Seeding::greedy:
+      return "greedy";
+    case Seeding::none:
+      break;
+  }
+  return "none";
+}
+
+std::string_view name_of(Schedule schedule) {
+  switch (schedule) {
+    case Schedule::linear:
+      return "linear";
+    case Schedule::step:
+      return "step";
+    case Schedule::constant:
+      break;
+  }
+  return "constant";
+}
 
 double FitnessConfig::weight(ObjectiveKind kind) const {
   switch (kind) {
@@ -53,6 +101,14 @@ double FitnessConfig::weight(ObjectiveKind kind) const {
       return visits;
     case ObjectiveKind::expected_return:
       return expected_return;
+    case ObjectiveKind::regret:
+      return regret;
+    case ObjectiveKind::seen:
+      return seen;
+    case ObjectiveKind::collisions:
+      return collisions;
+    case ObjectiveKind::unknown:
+      return unknown;
   }
   COPPICE_CHECK(false);
 }
@@ -71,11 +127,43 @@ Result<void> check_config(const EvolveConfig& config, const Vocabulary& vocabula
       return ok;
     }
   }
-  const auto objectives = objectives_of(config.fitness, vocabulary);
+  if (rollout.schedule != Schedule::constant && rollout.acting != Acting::mixed) {
+    return bad_input(
+        fmt::format("rollout.schedule is \"{}\" with rollout.acting \"{}\": only a mixed acting policy has "
+                    "a share that can change",
+                    name_of(rollout.schedule), name_of(rollout.acting)));
+  }
+  if (rollout.start != Start::initial && rollout.method != Method::rollouts) {
+    return bad_input(
+        fmt::format("rollout.start is \"{}\" with rollout.method \"{}\": only roll-outs start elsewhere than "
+                    "in the initial state",
+                    name_of(rollout.start), name_of(rollout.method)));
+  }
+  if (config.ga.search == Search::front && rollout.schedule != Schedule::constant) {
+    return bad_input(
+        "rollout.schedule changes what a generation measures: expected \"constant\" where ga.search is "
+        "\"front\", which compares trees of different generations");
+  }
+  if (config.ga.search == Search::front && config.front.restarts >= config.ga.generations) {
+    return bad_input(fmt::format("front.restarts is {}: expected fewer than ga.generations, which is {}",
+                                 config.front.restarts, config.ga.generations));
+  }
+  if (const auto rule = parse_pick(config.front.pick); !rule) {
+    return in_context("front.pick", rule.error());
+  }
+  const auto objectives = objectives_of(config, vocabulary);
   return objectives ? Result<void>() : tl::unexpected(objectives.error());
 }
 
-Result<std::vector<Objective>> objectives_of(const FitnessConfig& fitness, const Vocabulary& vocabulary) {
+Result<std::vector<Objective>> objectives_of(const EvolveConfig& config, const Vocabulary& vocabulary) {
+  if (config.ga.search == Search::front) {
+    return objectives_of(config.fitness, vocabulary, config.front.objectives);
+  }
+  return objectives_of(config.fitness, vocabulary);
+}
+
+Result<std::vector<Objective>> objectives_of(const FitnessConfig& fitness, const Vocabulary& vocabulary,
+                                             std::span<const Measure> also) {
   std::vector<ShapedRule> rules;
   if (fitness.rules.size() > kMaxShapedRules) {
     return bad_input(fmt::format("fitness.rule: {} rules: expected at most {}", fitness.rules.size(), kMaxShapedRules));
@@ -90,10 +178,15 @@ Result<std::vector<Objective>> objectives_of(const FitnessConfig& fitness, const
   std::vector<Objective> objectives;
   for (std::uint8_t k = 0; k < kObjectiveKinds; ++k) {
     const ObjectiveKind kind{k};
-    if (fitness.weight(kind) > 0.0) {
-      objectives.push_back({kind, {}});
+    const bool wanted =
+        fitness.weight(kind) > 0.0 || std::find(also.begin(), also.end(), measure_of(kind)) != also.end();
+    if (wanted) {
+      objectives.push_back({kind});
+      objectives.back().threshold = kind == ObjectiveKind::seen         ? fitness.seen_visits
+                                    : kind == ObjectiveKind::collisions ? fitness.collision_reward
+                                                                        : 0.0;
     }
-    if (fitness.weight(kind) > 0.0 && kind == ObjectiveKind::shaped) {
+    if (wanted && kind == ObjectiveKind::shaped) {
       if (rules.empty()) {
         auto defaults = thesis_rules(vocabulary);
         if (!defaults) {
@@ -123,7 +216,8 @@ Job job_of(const EvolveConfig& config, std::vector<Objective> objectives, std::u
   }
   job.steps = rollout.steps;
   job.acting = rollout.acting;
-  job.policy_share = rollout.acting == Acting::mixed ? fixed_point_share(rollout.policy_share) : 0;
+  job.policy_share = rollout.acting == Acting::mixed ? fixed_point_share(policy_share_in(config, generation)) : 0;
+  job.start = rollout.start;
   job.method = rollout.method;
   job.gamma = rollout.method == Method::discounted ? fixed_point_share(rollout.gamma) : 0;
   return job;

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "common/fitness/objective.hpp"
 #include "common/tree/random_tree.hpp"
 #include "common/tree/vocabulary.hpp"
+#include "coordinator/evolution/measure.hpp"
 
 namespace coppice {
 
@@ -21,6 +23,22 @@ inline constexpr std::uint32_t kMaxGenerations = 100'000;
 inline constexpr std::uint32_t kMaxPopulation = 1'000'000;
 inline constexpr double kMaxWeight = 1e6;
 inline constexpr double kMaxRuleScore = 1e6;
+
+// How generations follow each other: one number decides (thesis), or a front of trees that none other beats in every
+// measure (NSGA-II with local search, front_search.hpp).
+enum class Search : std::uint8_t { scalar = 0, front = 1 };
+// What is done to every child: nothing, or simplify() that holds in every possible state, so that spare nodes go.
+enum class Simplification : std::uint8_t { none = 0, lossless = 1 };
+// What half of the first generation is made of: grown trees like the rest, single-condition branches, or decision lists
+// grown greedily from the policy (seeding.hpp).
+enum class Seeding : std::uint8_t { none = 0, branches = 1, greedy = 2 };
+// How policy_share of a mixed acting policy moves to policy_share_end over the generations.
+enum class Schedule : std::uint8_t { constant = 0, linear = 1, step = 2 };
+
+std::string_view name_of(Search search);
+std::string_view name_of(Simplification simplification);
+std::string_view name_of(Seeding seeding);
+std::string_view name_of(Schedule schedule);
 
 // [ga]
 struct GaConfig {
@@ -34,7 +52,14 @@ struct GaConfig {
   std::uint32_t max_children = 4;   // D_c
   std::uint32_t elites = 1;         // individuals that pass unchanged; not in the thesis, 0 switches it off
 
-  TreeShape shape() const { return {max_depth, max_children}; }
+  std::uint32_t max_nodes = kMaxTreeNodes;  // of a child
+  Search search = Search::scalar;
+  Simplification simplify = Simplification::none;
+  Seeding seeding = Seeding::none;
+  double edits = 0.0;         // share of the mutations that are a few small edits instead (Breeding::edit)
+  double local_search = 0.0;  // search front: share of the children that are edits of trees on the front
+
+  TreeShape shape() const { return {max_depth, max_children, max_nodes}; }
   bool operator==(const GaConfig&) const = default;
 };
 
@@ -45,6 +70,9 @@ struct RolloutConfig {
   std::uint32_t final_rollouts = 200;  // the fixed, larger sample on which the best of all generations is chosen
   Acting acting = Acting::tree;
   double policy_share = 0.0;  // acting mixed: probability, per step, that the RL policy acts
+  Schedule schedule = Schedule::constant;
+  double policy_share_end = 0.0;  // in the last generation, by the schedule
+  Start start = Start::initial;
   Method method = Method::rollouts;
   double gamma = 0.99;  // method discounted: step i weighs gamma^i
   bool operator==(const RolloutConfig&) const = default;
@@ -65,14 +93,33 @@ struct FitnessConfig {
   double shaped = 0.0;
   double coverage = 0.0;
   double visits = 0.0;
-  double expected_return = 0.0;   // key "return"
-  double size_threshold = 0.9;    // the size term counts once agreement along the walk exceeds this
-  double size_nodes = 20.0;       // full size term at so many nodes or fewer
-  double size_weight = 1.0;       // 0 switches the size term off
-  std::vector<RuleConfig> rules;  // of the shaped objective; empty: thesis_rules()
+  double expected_return = 0.0;  // key "return"
+  double regret = 0.0;           // costs lower the fitness
+  double seen = 0.0;
+  double collisions = 0.0;
+  double unknown = 0.0;
+  double seen_visits = 1000.0;      // fewest visits of a state that counts as seen
+  double collision_reward = -10.0;  // a step collides when the mean reward recorded for it is this or less
+  double size_threshold = 0.9;      // the size term counts once agreement along the walk exceeds this
+  double size_nodes = 20.0;         // full size term at so many nodes or fewer
+  double size_weight = 1.0;         // 0 switches the size term off
+  std::vector<RuleConfig> rules;    // of the shaped objective; empty: thesis_rules()
 
   double weight(ObjectiveKind kind) const;
   bool operator==(const FitnessConfig&) const = default;
+};
+
+// [front], of search front
+struct FrontConfig {
+  // What trees are compared by. Others are measured if they have a weight in [fitness].
+  std::vector<Measure> objectives = {measure_of(ObjectiveKind::agreement), measure_of(ObjectiveKind::coverage),
+                                     measure_of(ObjectiveKind::expected_return), measure_of(ObjectiveKind::collisions),
+                                     kNodesMeasure};
+  std::uint32_t max_nodes = 20;  // of a tree that is kept on the front
+  std::uint32_t restarts = 0;    // times that the search begins anew; the last part goes on from what all of them kept
+  std::uint32_t members = 200;   // that are kept; the most crowded go first
+  std::string pick = "best fitness";  // which of them is the answer (pick.hpp)
+  bool operator==(const FrontConfig&) const = default;
 };
 
 struct EvolveConfig {
@@ -80,6 +127,7 @@ struct EvolveConfig {
   GaConfig ga;
   RolloutConfig rollout;
   FitnessConfig fitness;
+  FrontConfig front;
   bool operator==(const EvolveConfig&) const = default;
 };
 
@@ -98,18 +146,26 @@ Result<void> apply_setting(std::string_view assignment, EvolveConfig& config);
 Result<void> assign_text(std::string_view name, std::string_view value, EvolveConfig& config);
 
 // What can be checked only as a whole, or needs the vocabulary: elites fewer than the population, walks within
-// kMaxWalkedSteps, some weight above 0, rules that speak of this vocabulary. Call it after the last change.
+// kMaxWalkedSteps, a schedule only where it can act, a pick rule that can be read, some weight above 0, rules that
+// speak of this vocabulary. Call it after the last change.
 Result<void> check_config(const EvolveConfig& config, const Vocabulary& vocabulary);
 
 // One line of JSON with every key; config_from_json(to_json(c)) gives exactly c.
 std::string config_to_json(const EvolveConfig& config);
 Result<EvolveConfig> config_from_json(std::string_view json);
 
-// The objectives of weight above 0, in the order of ObjectiveKind. Errors: as check_config() for the rules.
-Result<std::vector<Objective>> objectives_of(const FitnessConfig& fitness, const Vocabulary& vocabulary);
+// The objectives of weight above 0 and those of `also`, in the order of ObjectiveKind. Errors: as check_config() for
+// the rules.
+Result<std::vector<Objective>> objectives_of(const FitnessConfig& fitness, const Vocabulary& vocabulary,
+                                             std::span<const Measure> also = {});
+// What a run of this configuration measures: with the front's objectives, if it searches one.
+Result<std::vector<Objective>> objectives_of(const EvolveConfig& config, const Vocabulary& vocabulary);
 
 // The number that stands for the final sample in Job::generation; no generation has it.
 inline constexpr std::uint32_t kFinalGeneration = 0xFFFFFFFF;
+// The same for the one sample that all generations of a front search share, so that what is kept of earlier ones can be
+// compared with what is new.
+inline constexpr std::uint32_t kFrontGeneration = 0xFFFFFFFE;
 
 // What is asked of the individuals of a generation: config.rollout with config.seed; final_rollouts for
 // kFinalGeneration.

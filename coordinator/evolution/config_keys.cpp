@@ -68,27 +68,50 @@ Result<void> assign_real(const ConfigKey& key, const ConfigValue& value, double&
   return {};
 }
 
-Result<void> assign_acting(const ConfigKey& key, const ConfigValue& value, Acting& field) {
+// The values that a field of a named kind can have are 0 to kLastOf.
+template <typename Named>
+constexpr std::uint8_t kLastOf = 2;
+template <>
+constexpr std::uint8_t kLastOf<Method> = kMethods - 1;
+template <>
+constexpr std::uint8_t kLastOf<Search> = 1;
+template <>
+constexpr std::uint8_t kLastOf<Simplification> = 1;
+
+template <typename Named>
+Result<void> assign_named(const ConfigKey& key, const ConfigValue& value, Named& field) {
   const auto* text = std::get_if<std::string>(&value);
-  const auto acting = text != nullptr ? acting_named(*text) : Result<Acting>(bad_input(""));
-  if (!acting) {
-    return mismatch(key, value,
-                    fmt::format("\"{}\", \"{}\" or \"{}\"", name_of(Acting::tree), name_of(Acting::policy),
-                                name_of(Acting::mixed)));
+  std::string names;
+  for (std::uint8_t i = 0; i <= kLastOf<Named>; ++i) {
+    const Named named{i};
+    if (text != nullptr && *text == name_of(named)) {
+      field = named;
+      return {};
+    }
+    names += fmt::format("{}\"{}\"", i == 0 ? "" : i == kLastOf<Named> ? " or " : ", ", name_of(named));
   }
-  field = *acting;
+  return mismatch(key, value, names);
+}
+
+Result<void> assign_text(const ConfigKey& key, const ConfigValue& value, std::string& field) {
+  const auto* text = std::get_if<std::string>(&value);
+  if (text == nullptr) {
+    return mismatch(key, value, "text");
+  }
+  field = *text;
   return {};
 }
 
-Result<void> assign_method(const ConfigKey& key, const ConfigValue& value, Method& field) {
+Result<void> assign_measures(const ConfigKey& key, const ConfigValue& value, std::vector<Measure>& field) {
   const auto* text = std::get_if<std::string>(&value);
-  const auto method = text != nullptr ? method_named(*text) : Result<Method>(bad_input(""));
-  if (!method) {
-    return mismatch(key, value,
-                    fmt::format("\"{}\", \"{}\", \"{}\" or \"{}\"", name_of(Method::rollouts), name_of(Method::exact),
-                                name_of(Method::discounted), name_of(Method::long_run)));
+  if (text == nullptr) {
+    return mismatch(key, value, "names with commas between, such as \"agreement, coverage, nodes\"");
   }
-  field = *method;
+  auto measures = measures_from(*text);
+  if (!measures) {
+    return in_context(key.full_name(), measures.error());
+  }
+  field = std::move(*measures);
   return {};
 }
 
@@ -112,11 +135,20 @@ std::vector<ConfigKey> keys_of(EvolveConfig& config) {
       {"ga", "max_depth", &ga.max_depth, 0, kMaxTreeDepth},
       {"ga", "max_children", &ga.max_children, 2, kMaxTreeNodes - 1},
       {"ga", "elites", &ga.elites, 0, kMaxPopulation - 1},
+      {"ga", "max_nodes", &ga.max_nodes, 1, kMaxTreeNodes},
+      {"ga", "search", &ga.search, 0, 0},
+      {"ga", "simplify", &ga.simplify, 0, 0},
+      {"ga", "seeding", &ga.seeding, 0, 0},
+      {"ga", "edits", &ga.edits, 0, 1},
+      {"ga", "local_search", &ga.local_search, 0, 1},
       {"rollout", "rollouts", &rollout.rollouts, 1, kMaxRollouts},
       {"rollout", "steps", &rollout.steps, 1, kMaxSteps},
       {"rollout", "final_rollouts", &rollout.final_rollouts, 1, kMaxRollouts},
       {"rollout", "acting", &rollout.acting, 0, 0},
       {"rollout", "policy_share", &rollout.policy_share, 0, 1},
+      {"rollout", "schedule", &rollout.schedule, 0, 0},
+      {"rollout", "policy_share_end", &rollout.policy_share_end, 0, 1},
+      {"rollout", "start", &rollout.start, 0, 0},
       {"rollout", "method", &rollout.method, 0, 0},
       {"rollout", "gamma", &rollout.gamma, 0, kMaxGamma},
       weight(ObjectiveKind::agreement, fitness.agreement),
@@ -125,9 +157,20 @@ std::vector<ConfigKey> keys_of(EvolveConfig& config) {
       weight(ObjectiveKind::coverage, fitness.coverage),
       weight(ObjectiveKind::visits, fitness.visits),
       weight(ObjectiveKind::expected_return, fitness.expected_return),
+      weight(ObjectiveKind::regret, fitness.regret),
+      weight(ObjectiveKind::seen, fitness.seen),
+      weight(ObjectiveKind::collisions, fitness.collisions),
+      weight(ObjectiveKind::unknown, fitness.unknown),
+      {"fitness", "seen_visits", &fitness.seen_visits, 0, kMaxThreshold},
+      {"fitness", "collision_reward", &fitness.collision_reward, -kMaxScoredValue, kMaxScoredValue},
       {"fitness", "size_threshold", &fitness.size_threshold, 0, 1},
       {"fitness", "size_nodes", &fitness.size_nodes, 1, kMaxTreeNodes},
       {"fitness", "size_weight", &fitness.size_weight, 0, kMaxWeight},
+      {"front", "objectives", &config.front.objectives, 0, 0},
+      {"front", "max_nodes", &config.front.max_nodes, 1, kMaxTreeNodes},
+      {"front", "restarts", &config.front.restarts, 0, kMaxGenerations - 1},
+      {"front", "members", &config.front.members, 1, kMaxPopulation},
+      {"front", "pick", &config.front.pick, 0, 0},
   };
 }
 
@@ -142,10 +185,12 @@ Result<void> assign(const ConfigKey& key, const ConfigValue& value) {
         using Field = std::decay_t<decltype(*field)>;
         if constexpr (std::is_same_v<Field, double>) {
           return assign_real(key, value, *field);
-        } else if constexpr (std::is_same_v<Field, Acting>) {
-          return assign_acting(key, value, *field);
-        } else if constexpr (std::is_same_v<Field, Method>) {
-          return assign_method(key, value, *field);
+        } else if constexpr (std::is_same_v<Field, std::string>) {
+          return assign_text(key, value, *field);
+        } else if constexpr (std::is_same_v<Field, std::vector<Measure>>) {
+          return assign_measures(key, value, *field);
+        } else if constexpr (std::is_enum_v<Field>) {
+          return assign_named(key, value, *field);
         } else {
           return assign_integer(key, value, *field);
         }
@@ -159,7 +204,11 @@ ConfigValue value_of(const ConfigKey& key) {
         using Field = std::decay_t<decltype(*field)>;
         if constexpr (std::is_same_v<Field, double> || std::is_same_v<Field, std::uint64_t>) {
           return *field;
-        } else if constexpr (std::is_same_v<Field, Acting> || std::is_same_v<Field, Method>) {
+        } else if constexpr (std::is_same_v<Field, std::string>) {
+          return *field;
+        } else if constexpr (std::is_same_v<Field, std::vector<Measure>>) {
+          return to_text(*field);
+        } else if constexpr (std::is_enum_v<Field>) {
           return std::string(name_of(*field));
         } else {
           return std::int64_t{*field};

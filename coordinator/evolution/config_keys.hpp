@@ -22,7 +22,9 @@ using ConfigValue = std::variant<std::int64_t, std::uint64_t, double, std::strin
 struct ConfigKey {
   std::string section;  // "ga"; empty: top level
   std::string name;
-  std::variant<std::uint32_t*, std::uint64_t*, std::int32_t*, double*, Acting*, Method*> field;
+  std::variant<std::uint32_t*, std::uint64_t*, std::int32_t*, double*, Acting*, Method*, Start*, Search*,
+               Simplification*, Seeding*, Schedule*, std::string*, std::vector<Measure>*>
+      field;
   double low = 0.0;  // range of a number, both included; of std::uint64_t: all
   double high = 0.0;
 

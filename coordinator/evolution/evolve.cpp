@@ -6,6 +6,7 @@
 
 #include "common/check.hpp"
 #include "coordinator/evolution/breeding.hpp"
+#include "coordinator/evolution/front_search.hpp"
 #include "coordinator/evolution/population.hpp"
 #include "coordinator/evolution/scalar_fitness.hpp"
 #include "coordinator/evolution/selection.hpp"
@@ -14,25 +15,6 @@ namespace coppice {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-Result<void> check_checkpoint(const Checkpoint& start, const GaConfig& ga, const Breeding& breeding) {
-  if (start.generation >= ga.generations || start.population.size() != ga.population ||
-      start.fitness.size() != start.population.size() || start.hall_of_fame.empty()) {
-    return bad_input(
-        fmt::format("checkpoint of generation {} with {} individuals, {} fitness values and {} champions: expected a "
-                    "generation below {}, {} individuals and fitness values, and a champion",
-                    start.generation, start.population.size(), start.fitness.size(), start.hall_of_fame.size(),
-                    ga.generations, ga.population));
-  }
-  const auto fits = [&](const Tree& tree) { return breeding.within_limits(tree); };
-  if (!std::all_of(start.population.begin(), start.population.end(), fits) ||
-      !std::all_of(start.hall_of_fame.begin(), start.hall_of_fame.end(),
-                   [&](const Champion& champion) { return fits(champion.tree); })) {
-    return bad_input(fmt::format("checkpoint of generation {}: holds a tree outside the limits of the configuration",
-                                 start.generation));
-  }
-  return {};
-}
 
 // Individuals that are asked for together and what came back.
 struct Evaluated {
@@ -69,7 +51,8 @@ class Evolution {
  public:
   Evolution(const Chain& chain, const EvolveConfig& config, ScalarFitness fitness, Evaluator& evaluator,
             const EvolveHooks& hooks)
-      : config_(config),
+      : chain_(chain),
+        config_(config),
         fitness_(std::move(fitness)),
         breeding_(chain.vocabulary(), config.ga.shape()),
         evaluator_(evaluator),
@@ -110,7 +93,7 @@ class Evolution {
 
   std::vector<Tree> breed(std::uint32_t generation) const {
     if (generation == 0) {
-      return first_population(breeding_, config_.ga, config_.seed);
+      return first_population(breeding_, config_, chain_);
     }
     return next_population(breeding_, {reached_.population, reached_.fitness}, config_.ga, config_.seed, generation);
   }
@@ -150,6 +133,7 @@ class Evolution {
     return Evolved{best_on_record(reached_.hall_of_fame), 0, done_, true};
   }
 
+  const Chain& chain_;
   const EvolveConfig& config_;
   ScalarFitness fitness_;
   Breeding breeding_;
@@ -160,6 +144,26 @@ class Evolution {
 };
 
 }  // namespace
+
+Result<void> check_checkpoint(const Checkpoint& start, const GaConfig& ga, const Breeding& breeding) {
+  if (start.generation >= ga.generations || start.population.size() != ga.population ||
+      start.fitness.size() != start.population.size() || start.hall_of_fame.empty()) {
+    return bad_input(
+        fmt::format("checkpoint of generation {} with {} individuals, {} fitness values and {} champions: expected a "
+                    "generation below {}, {} individuals and fitness values, and a champion",
+                    start.generation, start.population.size(), start.fitness.size(), start.hall_of_fame.size(),
+                    ga.generations, ga.population));
+  }
+  const auto fits = [&](const Tree& tree) { return breeding.within_limits(tree); };
+  if (!std::all_of(start.population.begin(), start.population.end(), fits) ||
+      !std::all_of(start.archive.begin(), start.archive.end(), fits) ||
+      !std::all_of(start.hall_of_fame.begin(), start.hall_of_fame.end(),
+                   [&](const Champion& champion) { return fits(champion.tree); })) {
+    return bad_input(fmt::format("checkpoint of generation {}: holds a tree outside the limits of the configuration",
+                                 start.generation));
+  }
+  return {};
+}
 
 void enter(const Champion& champion, HallOfFame& hall) {
   const auto known =
@@ -183,6 +187,9 @@ Result<Evolved> evolve(const Chain& chain, const EvolveConfig& config, Evaluator
                        std::optional<Checkpoint> start, const EvolveHooks& hooks) {
   if (auto ok = check_config(config, chain.vocabulary()); !ok) {
     return tl::unexpected(ok.error());
+  }
+  if (config.ga.search == Search::front) {
+    return search_front(chain, config, evaluator, std::move(start), hooks);
   }
   auto fitness = ScalarFitness::make(chain, config.fitness);
   if (!fitness) {

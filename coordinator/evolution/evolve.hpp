@@ -13,7 +13,9 @@
 #include "common/error.hpp"
 #include "common/tree/tree.hpp"
 #include "coordinator/dispatch/evaluator.hpp"
+#include "coordinator/evolution/breeding.hpp"
 #include "coordinator/evolution/config.hpp"
+#include "coordinator/evolution/pick.hpp"
 
 namespace coppice {
 
@@ -51,9 +53,10 @@ const Champion& best_on_record(const HallOfFame& hall);
 // Where an evolution stands after a generation was evaluated: all that is needed to go on.
 struct Checkpoint {
   std::uint32_t generation = 0;
-  std::vector<Tree> population;  // by slot, as evaluated in `generation`
-  std::vector<double> fitness;   // by slot
-  HallOfFame hall_of_fame;       // `generation` included
+  std::vector<Tree> population;    // by slot, as evaluated in `generation`
+  std::vector<double> fitness;     // by slot
+  HallOfFame hall_of_fame;         // `generation` included
+  std::vector<Tree> archive = {};  // search front: the trees kept on the front
   bool operator==(const Checkpoint&) const = default;
 };
 
@@ -68,12 +71,18 @@ struct Evolved {
   std::uint64_t final_steps = 0;       // steps on which best.fitness and best.agreement were measured in the end
   std::uint32_t generations_done = 0;  // those before a checkpoint included
   bool interrupted = false;            // best is the highest fitness recorded in its generation; final_steps is 0
+  Front front = {};                    // search front: the trees that none other beats in every measure
   bool operator==(const Evolved&) const = default;
 };
+
+// Whether evolution of this configuration can go on from there.
+Result<void> check_checkpoint(const Checkpoint& start, const GaConfig& ga, const Breeding& breeding);
 
 // Evolves config.ga.generations generations, from the first or from after `start`. Fitness is sampled anew in every
 // generation, so a generation's best may owe it to luck: the answer is the champion that does best on one fixed,
 // larger sample (config.rollout.final_rollouts roll-outs, kFinalGeneration); ties: fewer nodes, then earlier.
+// A front search (ga.search) shares one sample among all generations (kFrontGeneration) and measures what it kept once
+// more on the final one: the front is what none other dominates there, the answer the one that front.pick chooses.
 // Errors: whatever the evaluator or a hook reports, except that `interrupted` ends the evolution with what there is,
 // once there is one generation; a config or checkpoint that does not fit the chain.
 Result<Evolved> evolve(const Chain& chain, const EvolveConfig& config, Evaluator& evaluator,

@@ -2,22 +2,39 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <unordered_set>
 
 #include "common/check.hpp"
+#include "coordinator/evolution/seeding.hpp"
 #include "coordinator/evolution/selection.hpp"
 
 namespace coppice {
 
-std::vector<Tree> first_population(const Breeding& breeding, const GaConfig& ga, std::uint64_t seed) {
+std::vector<Tree> first_population(const Breeding& breeding, const EvolveConfig& config, const Chain& chain,
+                                   std::uint32_t generation) {
+  const GaConfig& ga = config.ga;
+  const std::uint64_t seed = config.seed;
   std::vector<Tree> population;
   population.reserve(ga.population);
   for (std::uint32_t slot = 0; slot < ga.population; ++slot) {
-    Stream stream(seed, Purpose::growing, 0, slot);
-    population.push_back(breeding.grow(stream));
+    Stream stream(seed, Purpose::growing, generation, slot);
+    std::optional<Tree> seeded;
+    if (slot % 2 == 1 && ga.seeding != Seeding::none) {
+      seeded = seed_tree(ga.seeding, chain, ga.shape(), stream);
+    }
+    population.push_back(seeded && breeding.within_limits(*seeded) ? std::move(*seeded) : breeding.grow(stream));
   }
   return population;
+}
+
+Tree mutated(Stream& stream, const Breeding& breeding, const GaConfig& ga, const Tree& tree) {
+  if (ga.edits > 0.0 && stream.chance(ga.edits)) {
+    return breeding.edit(stream, tree);
+  }
+  return stream.chance(ga.headless_chicken) ? breeding.mutate_subtree(stream, tree)
+                                            : breeding.mutate_leaf(stream, tree);
 }
 
 std::vector<Tree> next_population(const Breeding& breeding, const EvaluatedPopulation& parents, const GaConfig& ga,
@@ -49,8 +66,12 @@ std::vector<Tree> next_population(const Breeding& breeding, const EvaluatedPopul
   }
   for (std::size_t slot = ga.elites; slot < next.size(); ++slot) {
     if (stream.chance(ga.mutation)) {
-      next[slot] = stream.chance(ga.headless_chicken) ? breeding.mutate_subtree(stream, next[slot])
-                                                      : breeding.mutate_leaf(stream, next[slot]);
+      next[slot] = mutated(stream, breeding, ga, next[slot]);
+    }
+  }
+  if (ga.simplify == Simplification::lossless) {
+    for (std::size_t slot = ga.elites; slot < next.size(); ++slot) {
+      next[slot] = breeding.simplified(next[slot]);
     }
   }
   return next;

@@ -6,13 +6,20 @@
 #include <span>
 #include <vector>
 
+#include "common/chain/chain.hpp"
 #include "common/tree/tree.hpp"
 #include "coordinator/evolution/breeding.hpp"
 #include "coordinator/evolution/config.hpp"
 
 namespace coppice {
 
-std::vector<Tree> first_population(const Breeding& breeding, const GaConfig& ga, std::uint64_t seed);
+// Of generation 0, or of another with which a search begins anew. Grown trees; with ga.seeding every second one is
+// seeded, as far as the limits allow.
+std::vector<Tree> first_population(const Breeding& breeding, const EvolveConfig& config, const Chain& chain,
+                                   std::uint32_t generation = 0);
+
+// What a mutation makes of a tree: a few edits, a grown subtree or a changed leaf, by the shares in `ga`.
+Tree mutated(Stream& stream, const Breeding& breeding, const GaConfig& ga, const Tree& tree);
 
 struct EvaluatedPopulation {
   std::span<const Tree> trees;      // by slot

@@ -10,8 +10,9 @@ double agreement_of(const Tally& tally) {
   return tally.steps == 0 ? 0.0 : static_cast<double>(tally.matches) / static_cast<double>(tally.steps);
 }
 
-Result<ScalarFitness> ScalarFitness::make(const Chain& chain, const FitnessConfig& fitness) {
-  auto objectives = objectives_of(fitness, chain.vocabulary());
+Result<ScalarFitness> ScalarFitness::make(const Chain& chain, const FitnessConfig& fitness,
+                                          std::span<const Measure> also) {
+  auto objectives = objectives_of(fitness, chain.vocabulary(), also);
   if (!objectives) {
     return tl::unexpected(objectives.error());
   }
@@ -35,7 +36,8 @@ double ScalarFitness::of(const Tally& tally) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < objectives_.size(); ++i) {
     const double steps = along_walk(objectives_[i].kind) ? static_cast<double>(tally.steps) : 1.0;
-    sum += fitness_.weight(objectives_[i].kind) * (static_cast<double>(tally.scores[i]) / (best_[i] * steps));
+    const double sign = is_cost(objectives_[i].kind) ? -1.0 : 1.0;
+    sum += sign * fitness_.weight(objectives_[i].kind) * (static_cast<double>(tally.scores[i]) / (best_[i] * steps));
   }
   if (agreement_of(tally) > fitness_.size_threshold) {
     sum += fitness_.size_weight * std::min(1.0, fitness_.size_nodes / static_cast<double>(tally.nodes));

@@ -4,10 +4,12 @@
 //
 // A normalised score is 1 for the best that the objective's table allows: score / (best_per_step x steps) along walks,
 // score / best over states; where nothing scores above 0 it is the objective's mean value instead (at best 0). The size
+// Costs (regret, collisions, unknown) count against it: their score / worst is taken off. The size
 // term (thesis VI-E.3) is 0 until agreement along the walk exceeds size_threshold, then min(1, size_nodes / nodes).
 // Immutable; the same tally gives the same bits everywhere.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "common/chain/chain.hpp"
@@ -27,7 +29,9 @@ class ScalarFitness {
   static constexpr double kNone = -1e300;
 
   // Errors: as objectives_of() and make_score_table().
-  static Result<ScalarFitness> make(const Chain& chain, const FitnessConfig& fitness);
+  // `also` is asked for beside the objectives of weight above 0, and changes no fitness.
+  static Result<ScalarFitness> make(const Chain& chain, const FitnessConfig& fitness,
+                                    std::span<const Measure> also = {});
 
   // What has to be in the job, in this order.
   const std::vector<Objective>& objectives() const { return objectives_; }

@@ -25,16 +25,18 @@ constexpr double kNormal95 = 1.96;            // the 97.5 % quantile of the stan
 constexpr std::uint64_t kFewestEpisodes = 2;  // one has no standard deviation
 constexpr std::uint64_t kMostEpisodes = 100'000'000;
 
-std::size_t matching_states(const Chain& chain, const Tree& tree, const StateColumns& columns) {
-  const std::vector<ActionId> table = action_table(tree, columns);
-  std::size_t matching = 0;
+// Counts the states in which the tree (null: the policy itself) does what the policy does.
+void count_matches(const Chain& chain, const Tree* tree, const StateColumns& columns, std::uint64_t seen_visits,
+                   ControllerScore& controller) {
+  const std::vector<ActionId> table = tree == nullptr ? chain.parts().policy : action_table(*tree, columns);
   for (std::size_t state = 0; state < table.size(); ++state) {
-    matching += table[state] == chain.policy(state) ? 1U : 0U;
+    const std::size_t matches = table[state] == chain.policy(state) ? 1U : 0U;
+    controller.matching_states += matches;
+    controller.matching_seen += chain.parts().visits[state] >= seen_visits ? matches : 0U;
   }
-  return matching;
 }
 
-std::string percent(double share) { return fmt::format("{:.1f} %", 100.0 * share); }
+std::string percent(double part) { return fmt::format("{:.1f} %", 100.0 * part); }
 
 std::string percent(const Estimate& estimate) {
   return fmt::format("{:.1f} % +- {:.1f}", 100.0 * estimate.mean, 100.0 * estimate.margin);
@@ -89,9 +91,15 @@ nlohmann::ordered_json json_of(const Estimate& estimate) {
   return {{"mean", estimate.mean}, {"margin", estimate.margin}};
 }
 
-nlohmann::ordered_json json_of(const ControllerScore& controller, std::size_t states) {
+double share(std::size_t part, std::size_t whole) {
+  return whole == 0 ? 1.0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+nlohmann::ordered_json json_of(const ControllerScore& controller, const Score& score) {
   return {{"matching_states", controller.matching_states},
-          {"agreement_over_states", static_cast<double>(controller.matching_states) / static_cast<double>(states)},
+          {"agreement_over_states", share(controller.matching_states, score.states)},
+          {"matching_seen", controller.matching_seen},
+          {"agreement_over_seen", share(controller.matching_seen, score.seen_states)},
           {"agreement", json_of(controller.agreement)},
           {"reward", json_of(controller.reward)},
           {"collisions_per_episode", json_of(controller.collisions)},
@@ -153,7 +161,7 @@ Result<void> check_score_settings(const SimulateSettings& settings, std::string_
 }
 
 Result<Score> score_tree(const World& world, const Chain& chain, const Tree& tree, const SimulateSettings& settings,
-                         const SimulateProgress& go_on) {
+                         const SimulateProgress& go_on, std::uint64_t seen_visits) {
   if (const Result<void> checked = check_score_settings(settings); !checked) {
     return tl::unexpected(checked.error());
   }
@@ -169,6 +177,10 @@ Result<Score> score_tree(const World& world, const Chain& chain, const Tree& tre
   score.thesis_room = world.kind == WorldKind::uav && world.room == default_room();
   score.settings = settings;
   score.states = chain.states();
+  score.seen_visits = seen_visits;
+  score.seen_states =
+      static_cast<std::size_t>(std::count_if(chain.parts().visits.begin(), chain.parts().visits.end(),
+                                             [&](std::uint64_t visits) { return visits >= seen_visits; }));
   score.entries = chain.states() * chain.actions();
   score.nodes = tree.size();
   score.nodes_sound = simplify(tree, vocabulary).tree.size();
@@ -185,7 +197,7 @@ Result<Score> score_tree(const World& world, const Chain& chain, const Tree& tre
       return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
     }
     *controller = controller_score(episodes);
-    controller->matching_states = followed == nullptr ? chain.states() : matching_states(chain, *followed, columns);
+    count_matches(chain, followed, columns, seen_visits, *controller);
   }
   return score;
 }
@@ -228,12 +240,12 @@ std::string to_text(const Score& score) {
     }
     return cells;
   };
-  const auto over_states = [&](const ControllerScore& c) {
-    return percent(static_cast<double>(c.matching_states) / static_cast<double>(score.states));
-  };
+  const auto over_states = [&](const ControllerScore& c) { return percent(share(c.matching_states, score.states)); };
+  const auto over_seen = [&](const ControllerScore& c) { return percent(share(c.matching_seen, score.seen_states)); };
   std::vector<Row> rows = {
       {"", {"policy", "tree", "pruned tree"}, {"Q-learning", "BT", "BT adjusted"}},
       {"agreement over all states", ours(over_states), {"100 %", "66 %", "86 %"}},
+      {fmt::format("  of {} seen {} times", score.seen_states, score.seen_visits), ours(over_seen), {}},
       {"agreement in simulation",
        ours([](const ControllerScore& c) { return percent(c.agreement); }),
        {"100 %", "93 %", "96 %"}},
@@ -276,10 +288,12 @@ std::string to_json(const Score& score) {
       {"steps_per_episode", score.settings.steps},
       {"seed", score.settings.seed},
       {"states", score.states},
+      {"seen_visits", score.seen_visits},
+      {"seen_states", score.seen_states},
       {"entries", score.entries},
-      {"policy", json_of(score.policy, score.states)},
-      {"tree", json_of(score.tree, score.states)},
-      {"pruned", json_of(score.pruned, score.states)},
+      {"policy", json_of(score.policy, score)},
+      {"tree", json_of(score.tree, score)},
+      {"pruned", json_of(score.pruned, score)},
       {"nodes", {{"tree", score.nodes}, {"sound", score.nodes_sound}, {"pruned", score.nodes_pruned}}},
       {"tree_text", score.tree_text},
       {"pruned_text", score.pruned_text},

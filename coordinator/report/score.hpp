@@ -27,8 +27,12 @@ struct Estimate {
 // REQUIRES: samples not empty.
 Estimate estimate(const std::vector<double>& samples);
 
+// A state that was visited a few times has a policy action decided by noise.
+inline constexpr std::uint64_t kSeenVisits = 1000;
+
 struct ControllerScore {
   std::size_t matching_states = 0;  // of Score::states, where the action is the policy's
+  std::size_t matching_seen = 0;    // of Score::seen_states
   std::uint64_t episodes = 0;
   std::uint64_t steps = 0;  // taken in all episodes
   Estimate agreement;       // share of an episode's steps, in [0, 1]
@@ -55,6 +59,8 @@ struct Score {
   bool thesis_room = false;  // the world is that of the thesis' figures
   SimulateSettings settings;
   std::size_t states = 0;
+  std::uint64_t seen_visits = kSeenVisits;
+  std::size_t seen_states = 0;   // visited seen_visits times or more in learning
   std::size_t entries = 0;       // of the Q-table: states x actions
   ControllerScore policy;        // the learned policy itself
   ControllerScore tree;          // the tree as it was given
@@ -76,7 +82,7 @@ Result<void> check_score_settings(const SimulateSettings& settings, std::string_
 // Simulates the policy, the tree and the pruned tree. Errors: as check_score_settings(); the chain's vocabulary is not
 // the world's; interrupted when `go_on` returned false. REQUIRES: check_tree() for the chain's vocabulary.
 Result<Score> score_tree(const World& world, const Chain& chain, const Tree& tree, const SimulateSettings& settings,
-                         const SimulateProgress& go_on = {});
+                         const SimulateProgress& go_on = {}, std::uint64_t seen_visits = kSeenVisits);
 
 // Adds what is expected along the chain over settings.steps steps from its initial state, which needs no simulator:
 // what the chain knows. A tree without an action holds its state and earns nothing. REQUIRES: score is of this tree on

@@ -13,7 +13,8 @@ namespace coppice {
 namespace {
 
 constexpr int kApplicationId = 0x436F7070;  // "Copp"
-constexpr int kSchemaVersion = 2;           // 2: other draws for roll-outs than before
+// 2: other draws for roll-outs than before; 3: fronts, and the archive of a checkpoint
+constexpr int kSchemaVersion = 3;
 
 constexpr const char* kSchema = R"(
 CREATE TABLE study(
@@ -62,7 +63,16 @@ CREATE TABLE checkpoints(
   run         INTEGER PRIMARY KEY REFERENCES runs(id),
   generation  INTEGER NOT NULL,
   population  TEXT NOT NULL,        -- a line an individual, by slot: fitness, tab, tree
-  hash        TEXT NOT NULL         -- XXH3-128 of population
+  archive     TEXT NOT NULL,        -- a line a tree kept on the front, as above with fitness 0; empty: no front
+  hash        TEXT NOT NULL         -- XXH3-128 of population and archive
+) STRICT;
+CREATE TABLE fronts(
+  run      INTEGER NOT NULL REFERENCES runs(id),
+  position INTEGER NOT NULL,        -- from 0: fewer nodes first
+  tree     TEXT NOT NULL,
+  fitness  REAL NOT NULL,
+  measures TEXT NOT NULL,           -- JSON: the value of each measure by its name
+  PRIMARY KEY(run, position)
 ) STRICT;
 )";
 

@@ -115,11 +115,16 @@ class Study {
 
   Result<void> finish_run(RunId run, const RunOutcome& outcome);
 
+  // Replaces the run's front, in one transaction.
+  Result<void> save_front(RunId run, const Front& front);
+
   Result<std::vector<RunRecord>> runs() const;  // by id
   Result<RunRecord> run(RunId run) const;       // error (bad_input): no such run; says which there are
   Result<std::optional<RunRecord>> last_run() const;
   Result<std::vector<GenerationRecord>> generations(RunId run) const;
   Result<std::optional<Checkpoint>> load_checkpoint(RunId run) const;
+  // By position; without members: the run has none. Every member has the same measures.
+  Result<Front> front(RunId run) const;
 
   // The run's result, or, while it has none, the best champion so far. Error (bad_input): not one generation was saved.
   Result<Tree> best_tree(RunId run) const;

@@ -105,6 +105,9 @@ Job every_objective() {
   for (std::uint8_t kind = 0; kind < kObjectiveKinds; ++kind) {
     job.objectives.push_back({ObjectiveKind{kind}, {}});
   }
+  job.objectives[static_cast<std::size_t>(ObjectiveKind::seen)].threshold = 100.0;
+  job.objectives[static_cast<std::size_t>(ObjectiveKind::collisions)].threshold = -10.0;
+  job.start = Start::visits;
   job.objectives[static_cast<std::size_t>(ObjectiveKind::shaped)].rules = {
       {{Node::condition(3, Op::equal, 3), Node::condition(8, Op::less_equal, 4)}, 8, -4},
       {{Node::condition(9, Op::less_equal, 100)},
@@ -127,12 +130,14 @@ constexpr std::size_t kRolloutsAt = 12;
 constexpr std::size_t kActingAt = 20;
 constexpr std::size_t kMethodAt = 29;
 constexpr std::size_t kGammaAt = 30;
-constexpr std::size_t kObjectivesAt = 38;
-constexpr std::size_t kKindAt = 39;
-constexpr std::size_t kRulesAt = 40;
-constexpr std::size_t kTreesAt = 41;
-constexpr std::size_t kNodesAt = 45;
-constexpr std::size_t kFirstNodeAt = 47;
+constexpr std::size_t kStartAt = 38;
+constexpr std::size_t kObjectivesAt = 39;
+constexpr std::size_t kKindAt = 40;
+constexpr std::size_t kThresholdAt = 41;
+constexpr std::size_t kRulesAt = 49;
+constexpr std::size_t kTreesAt = 50;
+constexpr std::size_t kNodesAt = 54;
+constexpr std::size_t kFirstNodeAt = 56;
 
 void write_tasks(Folder& folder) {
   const std::vector<Tree> trees = {
@@ -152,6 +157,7 @@ void write_tasks(Folder& folder) {
   for (std::uint8_t method = 1; method < kMethods; ++method) {
     Job computed = every_objective();
     computed.method = Method{method};
+    computed.start = Start::initial;
     computed.gamma = computed.method == Method::discounted ? fixed_point_share(0.95) : 0;
     folder.write(std::string(name_of(computed.method)), wire::encode_task(computed, trees));
   }
@@ -166,6 +172,8 @@ void write_tasks(Folder& folder) {
   damaged("no_rollouts", kRolloutsAt, 0);
   damaged("acting", kActingAt, 3);
   damaged("method", kMethodAt, kMethods);
+  damaged("start", kStartAt, kStarts);
+  damaged("threshold_of_agreement", kThresholdAt, 1);
   damaged("gamma_without_discount", kGammaAt, 1);
   damaged("no_objectives", kObjectivesAt, 0);
   damaged("too_many_objectives", kObjectivesAt, 17);

@@ -20,7 +20,9 @@ std::vector<Objective> all_objectives(const Vocabulary& vocabulary) {
   EXPECT_GE(vocabulary.features.size(), 6U);
   return {
       {ObjectiveKind::agreement, {}}, {ObjectiveKind::q_value, {}}, {ObjectiveKind::shaped, {trash, wall, {{}, 1, 0}}},
-      {ObjectiveKind::coverage, {}},  {ObjectiveKind::visits, {}},  {ObjectiveKind::expected_return, {}}};
+      {ObjectiveKind::coverage, {}},  {ObjectiveKind::visits, {}},  {ObjectiveKind::expected_return, {}},
+      {ObjectiveKind::regret, {}},    {ObjectiveKind::seen, {}, 3}, {ObjectiveKind::collisions, {}, -0.25},
+      {ObjectiveKind::unknown, {}}};
 }
 
 // The reference: tick at every step, search the row of successors linearly, one walk at a time.
@@ -249,6 +251,38 @@ TEST(Evaluation, WithoutAnActionHoldsTheStateAndNeverAgrees) {
   const Tally tally = evaluate(prepared, job, *tree);
   EXPECT_EQ(tally.matches, 0U);
   EXPECT_EQ(tally.scores, (std::vector<std::int64_t>{0, 0, 0}));
+}
+
+// Walks of one step: where they start is all that there is. Within 5 standard errors.
+TEST(ClosedForm, StartsAreDrawnAsOftenAsTheyAreAskedFor) {
+  const Chain chain = oracles::random_chain({.states = 60, .seed = 12});
+  const auto prepared = prepare(chain);
+  const Tree tree(chain.policy(0));
+  Job job;
+  job.rollouts = 40'000;
+  job.steps = 1;
+  double states = 0.0;
+  double visits = 0.0;
+  double all_visits = 0.0;
+  for (std::size_t s = 0; s < chain.states(); ++s) {
+    const bool agrees = chain.policy(s) == chain.policy(0);
+    states += agrees ? 1.0 : 0.0;
+    visits += agrees ? static_cast<double>(chain.parts().visits[s]) : 0.0;
+    all_visits += static_cast<double>(chain.parts().visits[s]);
+  }
+  const auto expect_share = [&](Start start, double share) {
+    job.start = start;
+    const Tally tally = evaluate(prepared, job, tree);
+    const double error = std::sqrt(share * (1.0 - share) / job.rollouts);
+    EXPECT_NEAR(static_cast<double>(tally.matches) / job.rollouts, share, 5 * error) << name_of(start);
+    const auto lazy =
+        PreparedJob::make(PreparedChain::make(std::make_shared<const Chain>(chain), PreparedChain::Form::lazy), job);
+    EXPECT_EQ(Evaluation(*lazy).evaluate(tree), tally) << name_of(start) << ": without tables";
+    EXPECT_EQ(Evaluation(*PreparedJob::make(prepared, job), Simd::none).evaluate(tree), tally);
+  };
+  expect_share(Start::initial, 1.0);
+  expect_share(Start::uniform, states / static_cast<double>(chain.states()));
+  expect_share(Start::visits, visits / all_visits);
 }
 
 // Mean of a Bernoulli or bounded quantity over n independent walks: within 5 standard errors.

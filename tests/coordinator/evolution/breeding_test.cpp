@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/tree/text.hpp"
+#include "common/tree/tick.hpp"
 #include "coordinator/evolution/population.hpp"
 #include "tests/coordinator/evolution/small_world.hpp"
 
@@ -24,7 +25,7 @@ const Vocabulary kVocabulary = small_vocabulary();
 void expect_within(const Tree& tree, const TreeShape& shape) {
   ASSERT_TRUE(Tree::from_nodes({tree.nodes().begin(), tree.nodes().end()}).has_value());
   ASSERT_TRUE(check_tree(tree, kVocabulary).has_value());
-  ASSERT_LE(tree.size(), kMaxTreeNodes);
+  ASSERT_LE(tree.size(), shape.max_nodes);
   for (std::size_t i = 0; i < tree.size(); ++i) {
     ASSERT_LE(tree.depth_of(i), shape.max_depth);
     if (tree[i].is_composite()) {
@@ -32,6 +33,13 @@ void expect_within(const Tree& tree, const TreeShape& shape) {
       ASSERT_LE(child_count(tree.subtree(i)), shape.max_children);
     }
   }
+}
+
+std::vector<Tree> first_generation(const Breeding& breeding, const GaConfig& ga) {
+  EvolveConfig config;
+  config.seed = 4;
+  config.ga = ga;
+  return first_population(breeding, config, testing::small_chain());
 }
 
 using NodeKey = std::tuple<int, int, int, int>;
@@ -48,7 +56,8 @@ std::vector<NodeKey> sorted_nodes(const std::vector<Tree>& trees) {
 }
 
 TEST(Breeding, EveryOperatorGivesWellFormedTreesWithinTheLimits) {
-  for (const TreeShape shape : {TreeShape{3, 4}, TreeShape{1, 2}, TreeShape{0, 2}, TreeShape{5, 3}, TreeShape{12, 2}}) {
+  for (const TreeShape shape : {TreeShape{3, 4}, TreeShape{1, 2}, TreeShape{0, 2}, TreeShape{5, 3}, TreeShape{12, 2},
+                                TreeShape{6, 8, 12}, TreeShape{4, 4, 2}}) {
     const Breeding breeding(kVocabulary, shape);
     Stream stream(11, Purpose::breeding, static_cast<std::uint32_t>(shape.max_depth), 0);
     std::vector<Tree> pool;
@@ -66,6 +75,9 @@ TEST(Breeding, EveryOperatorGivesWellFormedTreesWithinTheLimits) {
       expect_within(pool[a], shape);
       pool[b] = breeding.mutate_subtree(stream, second);
       expect_within(pool[b], shape);
+      pool[a] = breeding.edit(stream, pool[a]);
+      expect_within(pool[a], shape);
+      expect_within(breeding.simplified(pool[b]), shape);
       ASSERT_FALSE(HasFatalFailure());
     }
   }
@@ -192,7 +204,7 @@ TEST(Population, ElitesComeFirstUnchangedAndTheRestIsFilled) {
   ga.population = 31;
   ga.elites = 3;
   const Breeding breeding(kVocabulary, ga.shape());
-  const std::vector<Tree> parents = first_population(breeding, ga, 4);
+  const std::vector<Tree> parents = first_generation(breeding, ga);
   std::vector<double> fitness(parents.size());
   for (std::size_t slot = 0; slot < parents.size(); ++slot) {
     fitness[slot] = static_cast<double>(slot * 7 % 31);
@@ -216,7 +228,7 @@ TEST(Population, WithoutCrossoverAndMutationEveryoneIsAParent) {
   ga.crossover = 0.0;
   ga.mutation = 0.0;
   const Breeding breeding(kVocabulary, ga.shape());
-  const std::vector<Tree> parents = first_population(breeding, ga, 4);
+  const std::vector<Tree> parents = first_generation(breeding, ga);
   const std::vector<double> fitness(parents.size(), 1.0);
   for (const Tree& tree : next_population(breeding, {parents, fitness}, ga, 4, 1)) {
     EXPECT_NE(std::find(parents.begin(), parents.end(), tree), parents.end());
@@ -232,6 +244,48 @@ TEST(Population, CountsDistinctTrees) {
                                    tree_of("(sequence d=0 left)"),
                                    tree_of("(sequence d<=0 left)")};
   EXPECT_EQ(count_distinct(trees), 6U);
+}
+
+TEST(Breeding, EditsAreSmallAndReachEveryKindOfChange) {
+  const Breeding breeding(kVocabulary, {4, 6, 20});
+  const Tree tree = tree_of("(selector (sequence a=0 left) (sequence b=3 c=1 right) move)");
+  Stream stream(21, Purpose::breeding, 1, 0);
+  std::set<std::size_t> sizes;
+  std::size_t unchanged = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Tree edited = breeding.edit(stream, tree);
+    sizes.insert(edited.size());
+    unchanged += edited == tree ? 1 : 0;
+  }
+  EXPECT_EQ(unchanged, 0U);
+  for (const std::size_t size : {6U, 7U, 8U, 9U, 10U, 11U, 12U}) {
+    EXPECT_EQ(sizes.count(size), 1U) << size << " nodes";
+  }
+}
+
+TEST(Population, SeedsAreWithinTheLimitsAndTheGreedyOnesFollowThePolicy) {
+  const Chain chain = testing::small_chain();
+  for (const Seeding seeding : {Seeding::branches, Seeding::greedy}) {
+    EvolveConfig config;
+    config.ga.population = 60;
+    config.ga.seeding = seeding;
+    config.ga.max_nodes = 10;
+    const Breeding breeding(kVocabulary, config.ga.shape());
+    const std::vector<Tree> population = first_population(breeding, config, chain);
+    std::size_t whole = 0;
+    for (const Tree& tree : population) {
+      expect_within(tree, config.ga.shape());
+      std::size_t matches = 0;
+      for (std::size_t state = 0; state < chain.states(); ++state) {
+        matches += tick(tree, chain.features_of(state)) == chain.policy(state) ? 1 : 0;
+      }
+      whole += matches == chain.states() ? 1 : 0;
+    }
+    EXPECT_EQ(population, first_population(breeding, config, chain));
+    EXPECT_NE(population, first_population(breeding, config, chain, 5)) << "another beginning has other trees";
+    // The planted policy is a decision list of two branches.
+    EXPECT_EQ(whole > 0, seeding == Seeding::greedy) << name_of(seeding);
+  }
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <gtest/gtest.h>
+#include <initializer_list>
 #include <iterator>
 #include <limits>
 #include <string>
@@ -19,9 +20,22 @@ const std::string kThesisFile = std::string(COPPICE_SOURCE_DIR) + "/coordinator/
 EvolveConfig unusual_config() {
   EvolveConfig config;
   config.seed = std::numeric_limits<std::uint64_t>::max();
-  config.ga = {7, 8, 0.1, 1.0 / 3.0, 0.7, 1e-17, 9, 2, 0};
-  config.rollout = {11, 12, 13, Acting::mixed, 0.123456789012345678, Method::discounted, 0.987654321};
-  config.fitness = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 8.5, 0.9, {{{"a=0", "d<=2"}, 8, -4}, {{}, 1, 0}}};
+  config.ga = {
+      7,   8,  0.1, 1.0 / 3.0, 0.7, 1e-17, 9, 2, 0, 99, Search::front, Simplification::lossless, Seeding::greedy,
+      0.3, 0.4};
+  config.rollout = {11,
+                    12,
+                    13,
+                    Acting::mixed,
+                    0.123456789012345678,
+                    Schedule::linear,
+                    0.25,
+                    Start::uniform,
+                    Method::discounted,
+                    0.987654321};
+  config.fitness = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 1.1, 1.2,
+                    1.3, 1.4, 5.0, 6.0, 0.7, 8.5, 0.9, {{{"a=0", "d<=2"}, 8, -4}, {{}, 1, 0}}};
+  config.front = {{kNodesMeasure, measure_of(ObjectiveKind::regret)}, 17, 3, 5, "best regret with nodes<=4"};
   return config;
 }
 
@@ -61,6 +75,58 @@ TEST(Config, TheRulesInTheExampleFileAreValidOnceUncommented) {
   ASSERT_TRUE(ok.has_value()) << ok.error().message;
   const std::vector<RuleConfig> expected = {{{"s3=3", "s4=3", "s5=3"}, 8, -4}, {{"s3=0"}, 1, -2}, {{}, 1, 0}};
   EXPECT_EQ(config.fitness.rules, expected);
+}
+
+TEST(Config, TheRecipeForFrontsIsValid) {
+  EvolveConfig config;
+  const auto ok = load_config(std::string(COPPICE_SOURCE_DIR) + "/coordinator/evolution/front.toml", config);
+  ASSERT_TRUE(ok.has_value()) << ok.error().message;
+  EXPECT_EQ(config.ga.search, Search::front);
+  const auto checked = check_config(config, small_vocabulary());
+  EXPECT_TRUE(checked.has_value()) << checked.error().message;
+}
+
+TEST(Config, AFrontRefusesWhatItCannotKeep) {
+  const auto message = [](std::initializer_list<const char*> settings) {
+    EvolveConfig config;
+    for (const char* setting : settings) {
+      if (const auto ok = apply_setting(setting, config); !ok) {
+        return ok.error().message;
+      }
+    }
+    const auto ok = check_config(config, small_vocabulary());
+    return ok ? std::string("accepted") : ok.error().message;
+  };
+  EXPECT_EQ(message({"ga.search=front"}), "accepted");
+  EXPECT_EQ(message({"ga.search=both"}),
+            "--set ga.search=both: ga.search is \"both\": expected \"scalar\" or \"front\"");
+  EXPECT_EQ(message({"front.pick=best return with size<=3"}).rfind("front.pick: no measure 'size'", 0), 0U);
+  EXPECT_NE(message({"front.objectives=agreement, agreement"}).find("named twice"), std::string::npos);
+  EXPECT_NE(message({"ga.search=front", "front.restarts=400"}).find("expected fewer than ga.generations"),
+            std::string::npos);
+  EXPECT_NE(message({"rollout.schedule=linear"}).find("only a mixed acting policy"), std::string::npos);
+  EXPECT_NE(message({"rollout.start=visits", "rollout.method=exact"}).find("only roll-outs"), std::string::npos);
+  EXPECT_NE(message({"ga.search=front", "rollout.acting=mixed", "rollout.schedule=step"}).find("rollout.schedule"),
+            std::string::npos);
+}
+
+TEST(Config, AScheduleMovesThePolicysShareOverTheGenerations) {
+  EvolveConfig config;
+  config.ga.generations = 5;
+  config.rollout.acting = Acting::mixed;
+  config.rollout.policy_share = 1.0;
+  config.rollout.policy_share_end = 0.0;
+  const auto shares = [&](Schedule schedule) {
+    config.rollout.schedule = schedule;
+    std::vector<double> result;
+    for (const std::uint32_t generation : {0U, 1U, 2U, 4U, kFinalGeneration}) {
+      result.push_back(fixed_point_value(job_of(config, {Objective{}}, generation).policy_share));
+    }
+    return result;
+  };
+  EXPECT_EQ(shares(Schedule::constant), (std::vector<double>{1.0, 1.0, 1.0, 1.0, 1.0}));
+  EXPECT_EQ(shares(Schedule::linear), (std::vector<double>{1.0, 0.75, 0.5, 0.0, 0.0}));
+  EXPECT_EQ(shares(Schedule::step), (std::vector<double>{1.0, 1.0, 0.0, 0.0, 0.0}));
 }
 
 TEST(Config, JsonRoundTripIsExact) {

@@ -110,6 +110,7 @@ TEST_F(StudyTest, ACheckpointComesBackBitForBit) {
     checkpoint.population.push_back(tree_of("(selector (sequence a=0 d<=1 left) move)"));
     checkpoint.fitness.push_back(fitness);
   }
+  checkpoint.archive = {tree_of("(sequence b=3 right)"), tree_of("left")};
   GenerationRecord record;
   record.best = {tree_of("right"), 0, 1.0 / 3.0, 0.1};
   enter(record.best, checkpoint.hall_of_fame);
@@ -117,6 +118,21 @@ TEST_F(StudyTest, ACheckpointComesBackBitForBit) {
   const Study again = reopen(std::move(study));
   EXPECT_EQ(again.load_checkpoint(id).value(), checkpoint);
   EXPECT_EQ(again.best_tree(id).value(), tree_of("right"));
+}
+
+TEST_F(StudyTest, AFrontComesBackBitForBit) {
+  Study study = make();
+  const RunId id = study.begin_run({config(), "serial"}).value();
+  EXPECT_EQ(study.front(id).value(), Front{});
+  const std::vector<Measure> measures = {measure_of(ObjectiveKind::agreement),
+                                         measure_of(ObjectiveKind::expected_return), kNodesMeasure};
+  Front front{measures, {{tree_of("move"), 1.0 / 3.0, {0.1, -17.25, 1}}, {tree_of("left"), 0.5, {0.2, 5e-324, 1}}}};
+  ASSERT_TRUE(study.save_front(id, front).has_value());
+  EXPECT_EQ(study.front(id).value(), front);
+  front.members.pop_back();
+  ASSERT_TRUE(study.save_front(id, front).has_value());
+  const Study again = reopen(std::move(study));
+  EXPECT_EQ(again.front(id).value(), front) << "the one before is gone";
 }
 
 TEST_F(StudyTest, SavesAGenerationOnce) {

@@ -1,0 +1,165 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <memory>
+#include <optional>
+
+#include "common/tree/text.hpp"
+#include "coordinator/commands/commands.hpp"
+#include "coordinator/commands/whole_number.hpp"
+#include "coordinator/report/counted.hpp"
+#include "coordinator/report/front_report.hpp"
+#include "coordinator/report/whole_file.hpp"
+#include "coordinator/study/study.hpp"
+
+namespace coppice {
+namespace {
+
+struct Options {
+  std::string study;
+  std::optional<std::int64_t> run;
+  std::string rule;
+  std::string output;
+  std::string plot;
+  std::string axes;
+  bool json = false;
+};
+
+struct FoundFront {
+  RunRecord run;
+  Front front;
+};
+
+// The front of the run asked for, or of the last run that has one.
+Result<FoundFront> front_of(const Study& study, std::optional<std::int64_t> wanted) {
+  if (wanted) {
+    auto run = study.run(RunId{*wanted});
+    if (!run) {
+      return tl::unexpected(run.error());
+    }
+    auto front = study.front(run->id);
+    if (!front) {
+      return tl::unexpected(front.error());
+    }
+    if (front->members.empty()) {
+      return bad_input(
+          fmt::format("{}: run {} has no front: expected a finished run with ga.search=front", study.path(), *wanted));
+    }
+    return FoundFront{std::move(*run), std::move(*front)};
+  }
+  auto runs = study.runs();
+  if (!runs) {
+    return tl::unexpected(runs.error());
+  }
+  for (auto run = runs->rbegin(); run != runs->rend(); ++run) {
+    auto front = study.front(run->id);
+    if (!front) {
+      return tl::unexpected(front.error());
+    }
+    if (!front->members.empty()) {
+      return FoundFront{std::move(*run), std::move(*front)};
+    }
+  }
+  return bad_input(
+      fmt::format("{}: no run has a front: expected one of 'coppice evolve --set ga.search=front'", study.path()));
+}
+
+Result<void> front_command(const Options& options) {
+  std::optional<PickRule> rule;
+  if (!options.rule.empty()) {
+    auto parsed = parse_pick(options.rule);
+    if (!parsed) {
+      return in_context("--pick", parsed.error());
+    }
+    rule = std::move(*parsed);
+  }
+  const Result<Study> study = Study::open(options.study, Study::Access::read);
+  if (!study) {
+    return tl::unexpected(study.error());
+  }
+  const Result<FoundFront> found = front_of(*study, options.run);
+  if (!found) {
+    return tl::unexpected(found.error());
+  }
+  const Front& front = found->front;
+  const Vocabulary& vocabulary = study->chain().vocabulary();
+  std::optional<std::size_t> picked;
+  if (rule) {
+    picked = pick(front, *rule);
+    if (!picked) {
+      return bad_input(fmt::format("--pick {}: fits none of the {} on the front of run {}", options.rule,
+                                   counted(front.members.size(), "tree"), static_cast<std::int64_t>(found->run.id)));
+    }
+  } else if (found->run.tree) {
+    for (std::size_t i = 0; i < front.members.size() && !picked; ++i) {
+      picked = front.members[i].tree == *found->run.tree ? std::optional(i) : std::nullopt;
+    }
+  }
+  for (const auto& [flag, path] : {std::pair{"-o", &options.output}, std::pair{"--plot", &options.plot}}) {
+    if (const Result<void> other = check_other_file(flag, *path, options.study); !path->empty() && !other) {
+      return other;
+    }
+  }
+  std::optional<FrontAxes> axes;
+  if (!options.plot.empty()) {
+    const auto chosen = axes_from(options.axes, front);
+    if (!chosen) {
+      return in_context("--axes", chosen.error());
+    }
+    axes = *chosen;
+  }
+  if (axes) {
+    if (const auto written = write_whole_file(options.plot, front_svg(front, *axes, picked)); !written) {
+      return written;
+    }
+  }
+  if (!options.output.empty() && picked) {
+    const std::string text = to_text(front.members[*picked].tree, vocabulary) + "\n";
+    if (const auto written = write_whole_file(options.output, text); !written) {
+      return written;
+    }
+  }
+  if (options.json) {
+    fmt::print("{}\n", to_json(front, vocabulary, picked));
+  } else if (rule) {
+    fmt::print("{}\n", to_text(front.members[*picked].tree, vocabulary));
+  } else {
+    fmt::print("run {}: {}; < is the answer; return, collisions and unknown a walk of {}\n{}",
+               static_cast<std::int64_t>(found->run.id), counted(front.members.size(), "tree"),
+               counted(found->run.config.rollout.steps, "step"), to_text(front, picked));
+  }
+  return {};
+}
+
+}  // namespace
+
+void add_front(CLI::App& app, Invocation& invocation) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("front", "List the trees that none other beats in every measure, pick one");
+  command->add_option("STUDY", options->study, "The study file")->required();
+  command->add_option("--run", options->run, "Of this run (default: the last that has a front)")
+      ->type_name("N")
+      ->check(whole_number());
+  CLI::Option* pick_option =
+      command->add_option("--pick", options->rule, "Print the one tree that this rule chooses")->type_name("RULE");
+  command->add_option("-o,--output", options->output, "Also write the picked tree to a file, for --tree FILE")
+      ->type_name("FILE")
+      ->needs(pick_option);
+  CLI::Option* plot = command->add_option("--plot", options->plot, "Draw two measures")->type_name("FILE.svg");
+  options->axes = "coverage,agreement";
+  command->add_option("--axes", options->axes, "Which two, across and up")
+      ->type_name("X,Y")
+      ->needs(plot)
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "The front as one JSON list");
+  command->footer(
+      "A rule: best MEASURE [with MEASURE<=NUMBER and ...], with <=, >= or =; shares are from 0 to 1; a measure is "
+      "one\n"
+      "that the run evaluated, nodes, or fitness.\n"
+      "Examples:\n"
+      "  coppice front uav.coppice --plot front.svg\n"
+      "  coppice front uav.coppice --pick 'best return with nodes<=20 and coverage>=0.8' -o best.tree\n"
+      "  coppice score uav.coppice --tree best.tree");
+  command->callback([&invocation, options] { invocation.chosen = [options] { return front_command(*options); }; });
+}
+
+}  // namespace coppice
