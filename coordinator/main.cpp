@@ -90,6 +90,7 @@ int run(int argc, char** argv) {
   coppice::add_learn(app, invocation);
   coppice::add_evolve(app, invocation);
   coppice::add_score(app, invocation);
+  coppice::add_verify(app, invocation);
   coppice::add_prune(app, invocation);
   coppice::add_draw(app, invocation);
   coppice::add_table(app, invocation);

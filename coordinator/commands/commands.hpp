@@ -23,6 +23,7 @@ void add_learn(CLI::App& app, Invocation& invocation);
 void add_evolve(CLI::App& app, Invocation& invocation);
 void add_evaluate(CLI::App& app, Invocation& invocation);
 void add_score(CLI::App& app, Invocation& invocation);
+void add_verify(CLI::App& app, Invocation& invocation);
 void add_table(CLI::App& app, Invocation& invocation);
 void add_prune(CLI::App& app, Invocation& invocation);
 void add_draw(CLI::App& app, Invocation& invocation);
