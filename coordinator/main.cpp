@@ -91,6 +91,8 @@ int run(int argc, char** argv) {
   coppice::add_evolve(app, invocation);
   coppice::add_score(app, invocation);
   coppice::add_verify(app, invocation);
+  coppice::add_explain(app, invocation);
+  coppice::add_edit(app, invocation);
   coppice::add_prune(app, invocation);
   coppice::add_draw(app, invocation);
   coppice::add_table(app, invocation);

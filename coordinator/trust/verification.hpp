@@ -29,7 +29,7 @@ inline constexpr std::uint32_t kMostResamples = 100'000;
 
 struct VerifySettings {
   std::uint32_t steps = 150;       // of an episode
-  std::uint32_t resamples = 400;   // draws behind an interval
+  std::uint32_t resamples = 200;   // draws behind an interval
   std::uint64_t seed = 1;          // of the draws
 };
 

@@ -15,6 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::size_t kName = 46;
 constexpr std::size_t kCell = 32;
 
 std::string percent(double share) {
@@ -24,7 +25,8 @@ std::string percent(double share) {
   if (share < 0.001) {
     return fmt::format("{:.2g} %", 100.0 * share);
   }
-  return share > 0.999 ? fmt::format("{:.4f} %", 100.0 * share) : fmt::format("{:.2f} %", 100.0 * share);
+  // Never rounded up to a certainty that it is not.
+  return share > 0.9999 ? "> 99.99 %" : fmt::format("{:.2f} %", 100.0 * share);
 }
 
 std::string number(double value) {
@@ -37,7 +39,7 @@ std::string cell(const std::optional<Figure>& figure, const Text& text, const ch
 }
 
 std::string row(const std::string& name, const std::string& ours, const std::string& simulator) {
-  std::string line = fmt::format("  {:<44}{:<{}}{}", name, ours, kCell, simulator);
+  std::string line = fmt::format("  {:<{}}{:<{}}{}", name, kName, ours, kCell, simulator);
   line.erase(line.find_last_not_of(' ') + 1);
   return line + '\n';
 }
@@ -155,19 +157,25 @@ std::string to_text(const Verification& verification, const std::optional<Simula
                        simulated && event.name == "collision" ? cell(simulated->collision, percent, "") : "");
   }
   text += event_text(verification.untried, "leaves the model", steps, "");
-  text += row(fmt::format("the same with successors never seen, {}", counted(steps, "step")),
+  text += row(fmt::format("  or by a successor never seen, {}", counted(steps, "step")),
               cell(verification.unseen.within, percent, ""),
               simulated ? cell(simulated->unknown, percent, "") : "");
   for (const EventFigures& event : verification.events) {
-    text += fmt::format("{}: an action whose recorded mean reward has {}: {} of the chain", event.name, event.test,
+    text += fmt::format("{}: an action whose recorded mean has {}: {} of state and action", event.name, event.test,
                         counted(event.pairs, "pair"));
     text += event.unclear > 0 ? fmt::format("; in {} the recorded reward is a mix and does not tell\n",
                                             counted(event.unclear, "pair"))
                               : "\n";
   }
   text +=
-      "leaves the model: takes an action that learning never tried in that state; an event is one before that, so add this\n"
+      "leaves the model: takes an action that learning never tried in that state. Events count before that: add its\n"
       "probability for an upper bound. Successors never seen: estimated from those seen once (Good 1953).\n";
+  if (simulated && (simulated->reward.low > verification.reward.high || simulated->reward.high < verification.reward.low)) {
+    text += fmt::format(
+        "The simulator earns {} than the chain promises, beyond both intervals: states that look alike to the sensors are\n"
+        "one state of the chain, which therefore mixes what follows them. No interval for the counts holds that.\n",
+        simulated->reward.value < verification.reward.value ? "less" : "more");
+  }
   return text;
 }
 
