@@ -9,8 +9,9 @@
 // Groups: for a conjunction C of at most so many tests and an action a, the saving is the sum over the states in C of
 // visits x (Q(s, a) - Q(s, tree's action)): what is mended less what is spoilt. The best is found by depth-first search
 // with the optimistic bound "as if only what is mended were kept" (subgroup discovery: Wrobel, PKDD 1997; Grosskreutz et
-// al., ECML PKDD 2008), which is exact unless kMostConjunctions ends it. Then its states count as mended and the next is
-// sought (sequential covering: Clark and Niblett, "The CN2 induction algorithm", Machine Learning 1989).
+// al., ECML PKDD 2008), which is exact unless kMostConjunctions ends it. Then the tree counts as doing a in C, and the next
+// group is sought, whose branch goes in front, so that it may make exceptions (sequential covering: Clark and Niblett,
+// "The CN2 induction algorithm", Machine Learning 1989).
 #pragma once
 
 #include <cstdint>

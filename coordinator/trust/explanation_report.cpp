@@ -27,15 +27,6 @@ std::string condition_text(const Group& group, const Vocabulary& vocabulary) {
 
 double share(double part, double whole) { return whole > 0.0 ? 100.0 * part / whole : 0.0; }
 
-// Branches that are tried in the order of `branches`, before the tree.
-Tree with_branches(const Tree& tree, const std::vector<Tree>& branches) {
-  Tree result = tree;
-  for (auto branch = branches.rbegin(); branch != branches.rend(); ++branch) {
-    result = with_branch(result, *branch);
-  }
-  return result;
-}
-
 std::string visits_text(Weighting weighting) {
   switch (weighting) {
     case Weighting::tree:
@@ -64,12 +55,11 @@ ExplainReport explain_report(const Chain& chain, const Tree& tree, const Explain
                        .now = figures_of(chain, tree, settings.steps),
                        .suggestions = {}};
   const Vocabulary& vocabulary = chain.vocabulary();
-  std::vector<Tree> branches;
+  Tree together = tree;
   for (const Group& group : report.explanation.groups) {
     const Tree branch = branch_of(group);
-    // A later group speaks of what the earlier ones have not mended: theirs come first.
-    branches.push_back(branch);
-    const Tree together = with_branches(tree, branches);
+    // A later group changes what the earlier ones made of its states: its branch is tried first.
+    together = with_branch(together, branch);
     const std::string text = to_text(branch, vocabulary);
     report.suggestions.push_back(
         {.branch = branch,
@@ -110,7 +100,7 @@ std::string to_text(const ExplainReport& report, const Chain& chain, const Tree&
   if (explanation.groups.empty()) {
     return text + "\nno branch of so few tests saves anything worth it\n";
   }
-  text += fmt::format("\nbranches that would mend most of it, each after those before it ({} at most{}):\n",
+  text += fmt::format("\nbranches that would mend most of it, each added in front of those before it ({} at most{}):\n",
                       counted(explanation.settings.tests, "test"),
                       explanation.complete ? ", the best there is" : ", the best found in the time allowed");
   for (std::size_t i = 0; i < explanation.groups.size(); ++i) {

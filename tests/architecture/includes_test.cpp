@@ -33,10 +33,13 @@ const std::map<std::string, std::set<std::string>> kArrows = {
      {"common", "common/tree", "common/chain", "common/fitness", "coordinator/learning", "coordinator/evolution",
       "coordinator/study", "coordinator/dispatch"}},
     {"coordinator/trust", {"common", "common/tree", "common/chain", "coordinator/learning", "coordinator/report"}},
+    {"coordinator/reproduce",
+     {"common", "common/tree", "common/chain", "coordinator/learning", "coordinator/evolution", "coordinator/dispatch",
+      "coordinator/study", "coordinator/report", "coordinator/trust"}},
     {"coordinator/commands",
      {"common", "common/tree", "common/chain", "common/fitness", "coordinator", "coordinator/learning",
       "coordinator/dispatch", "coordinator/bench", "coordinator/evolution", "coordinator/study", "coordinator/report",
-      "coordinator/trust"}},
+      "coordinator/trust", "coordinator/reproduce"}},
     {"coordinator", {"common", "coordinator/commands", "coordinator/report"}},
 };
 
