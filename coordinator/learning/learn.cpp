@@ -86,7 +86,7 @@ Result<void> check_settings(const LearnSettings& settings) {
     return bad_input(fmt::format("--steps is {}: expected 1 to {}", settings.steps, kMaxEpisodeSteps));
   }
   if (settings.greedy_episodes > kMaxSteps - settings.episodes) {
-    return bad_input(fmt::format("{} greedy episodes: expected at most {}", settings.greedy_episodes,
+    return bad_input(fmt::format("--greedy-episodes is {}: expected at most {}", settings.greedy_episodes,
                                  kMaxSteps - settings.episodes));
   }
   if (settings.steps > kMaxSteps / (settings.episodes + settings.greedy_episodes)) {

@@ -101,7 +101,9 @@ Comparison grid_learning_table(const std::vector<GridLearned>& q_learning, const
   table.remarks = {
       "Converged: no value of Q changes by 1e-8 or more in any later episode. SARSA is printed to converge in episode 269 "
       "of 200, so exploration had ended by then: we let both go on without it, too. SARSA values what it explores, "
-      "so it cannot converge before exploration ends.",
+      "so "
+      "it cannot converge before exploration ends. Again: coppice learn -o FILE --world windy --algorithm sarsa "
+      "--greedy-episodes 500 --seed N",
       "The thesis does not print its grid. In Sutton and Barto's, which it adapts, the goal is 15 of the 25 allowed steps "
       "away and no seed finds it in 200 episodes, so ours has 2000. The shortest way earns 9 - 14 = -5 here; the printed "
       "-13 would take a way of 23 steps.",

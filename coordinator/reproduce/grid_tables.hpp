@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/error.hpp"
-#include "common/stop.hpp"
+#include "common/tree/tree.hpp"
 #include "coordinator/learning/learn.hpp"
 #include "coordinator/reproduce/comparison.hpp"
 
