@@ -7,9 +7,7 @@
 
 namespace coppice {
 
-double CountPosterior::uniform() {
-  return (static_cast<double>(random_.next() >> 11U) + 0.5) * 0x1.0p-53;
-}
+double CountPosterior::uniform() { return (static_cast<double>(random_.next() >> 11U) + 0.5) * 0x1.0p-53; }
 
 // Box and Muller (1958); the second variate is not kept, so that a draw depends on nothing before it but the generator.
 double CountPosterior::normal() {

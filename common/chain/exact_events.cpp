@@ -75,7 +75,8 @@ std::vector<bool> ExactEvents::before_event(const std::vector<double>& chance) c
   return alive;
 }
 
-std::vector<bool> ExactEvents::leading_to_event(const std::vector<double>& chance, const std::vector<bool>& alive) const {
+std::vector<bool> ExactEvents::leading_to_event(const std::vector<double>& chance,
+                                                const std::vector<bool>& alive) const {
   std::vector<std::vector<std::uint32_t>> from(rows_.size());
   std::vector<bool> leads(rows_.size(), false);
   std::vector<std::uint32_t> open;

@@ -1,12 +1,13 @@
 // When a walk through a chain first meets an event, computed instead of sampled: the probability that it does within t
 // steps and ever, and the expected number of steps until it does.
 //
-// An event happens, with some probability, when the acting table's action is taken in a state. A walk ends with the event,
-// or when it takes an action that was never tried there: what would follow is not known. So a probability here is that
-// of the event before the walk leaves the learned model; with that of leaving added it is an upper bound.
+// An event happens, with some probability, when the acting table's action is taken in a state. A walk ends with the
+// event, or when it takes an action that was never tried there: what would follow is not known. So a probability here
+// is that of the event before the walk leaves the learned model; with that of leaving added it is an upper bound.
 //
-// Within t steps: t sparse products. Ever: with B the transitions between states from which the event can be reached (all
-// others never lead to it and are left out, which makes I - B regular), and c the event's probability in each state,
+// Within t steps: t sparse products. Ever: with B the transitions between states from which the event can be reached
+// (all others never lead to it and are left out, which makes I - B regular), and c the event's probability in each
+// state,
 //
 //   x = (I - B)^-T e_start     expected visits before the walk ends       P(event) = sum of x c
 //   y = (I - B)^-T x           visits at step i, weighted with i + 1      E[steps; event] = sum of y c

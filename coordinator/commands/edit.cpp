@@ -131,7 +131,8 @@ Result<void> edit_command(const Options& options, const StopFlag& stop) {
     }
   }
   if (options.json) {
-    const Json json = {{"before", json_of(*tree, *before, vocabulary)}, {"after", json_of(*edited, *after, vocabulary)}};
+    const Json json = {{"before", json_of(*tree, *before, vocabulary)},
+                       {"after", json_of(*edited, *after, vocabulary)}};
     fmt::print("{}\n", json_line(json));
     return {};
   }
@@ -155,8 +156,8 @@ void add_edit(CLI::App& app, Invocation& invocation) {
     command->add_option(flag, into, help)->type_name(type)->allow_extra_args(false);
   };
   add_change("--replace", options->replacements, "Replace node N; may be repeated", "'N SUBTREE'");
-  add_change("--insert", options->insertions, "Insert a child into node N, in front of its child number P; may be repeated",
-             "'N P SUBTREE'");
+  add_change("--insert", options->insertions,
+             "Insert a child into node N, in front of its child number P; may be repeated", "'N P SUBTREE'");
   add_change("--delete", options->deletions, "Delete node N and what is under it; may be repeated", "N");
   command->add_option("-o,--output", options->output, "Write the tree to this file")->type_name("FILE");
   command->add_option("--episodes", options->episodes, "Episodes in the simulator")
@@ -166,7 +167,8 @@ void add_edit(CLI::App& app, Invocation& invocation) {
   command->add_option("--seed", options->seed, "Of the simulator")->check(whole_number())->capture_default_str();
   command->add_flag("--json", options->json, "Report as one JSON object");
   command->footer(
-      "Nodes are numbered as shown, from 0 for the root; children from 0. All numbers are those of the tree before any\n"
+      "Nodes are numbered as shown, from 0 for the root; children from 0. All numbers are those of the tree before "
+      "any\n"
       "change. Without a change: the numbered tree and its scores.\n"
       "Examples:\n"
       "  coppice edit uav.coppice\n"

@@ -67,7 +67,9 @@ void add_explain(CLI::App& app, Invocation& invocation) {
       ->type_name("tree|policy|learning|states")
       ->capture_default_str();
   command->add_option("--steps", options->steps, "Steps per episode (default: as in learning)")->check(whole_number());
-  command->add_option("--tests", options->tests, "Tests in a branch, at most")->check(whole_number())->capture_default_str();
+  command->add_option("--tests", options->tests, "Tests in a branch, at most")
+      ->check(whole_number())
+      ->capture_default_str();
   command->add_option("--groups", options->groups, "Branches to suggest, at most")
       ->check(whole_number())
       ->capture_default_str();

@@ -44,9 +44,9 @@ std::string text_of(const LearnTask& task, const Learned& learned, const std::st
   const std::uint64_t episodes = task.settings.episodes + task.settings.greedy_episodes;
   std::string text = fmt::format("{}: {}, {}\n", path, counted(learned.chain.states(), "state"),
                                  counted(learned.chain.transitions(), "transition"));
-  text += fmt::format("{} of {} by {}, seed {}: {:.1f} s, {:.1f} ns a step\n",
-                      counted(episodes, "episode"), task.world_name, name_of(task.settings.algorithm),
-                      task.settings.seed, learned.seconds, steps > 0.0 ? learned.seconds / steps * 1e9 : 0.0);
+  text += fmt::format("{} of {} by {}, seed {}: {:.1f} s, {:.1f} ns a step\n", counted(episodes, "episode"),
+                      task.world_name, name_of(task.settings.algorithm), task.settings.seed, learned.seconds,
+                      steps > 0.0 ? learned.seconds / steps * 1e9 : 0.0);
   text += fmt::format("reward per episode at the end: {:.1f}\n", learned.last_rewards);
   text += learned.collisions == 0 ? std::string("no collisions\n")
                                   : fmt::format("collisions: {}, the last in episode {}\n", learned.collisions,

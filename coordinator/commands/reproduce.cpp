@@ -90,9 +90,8 @@ Result<void> reproduce_command(const Options& options, const StopFlag& stop) {
     return written;
   }
   if (!done) {
-    return tl::unexpected(
-        Error{done.error().kind, fmt::format("{}; {} of the tables are in {}", done.error().message, tables.size(),
-                                             (*folder / "tables.txt").string())});
+    return tl::unexpected(Error{done.error().kind, fmt::format("{}; {} of the tables are in {}", done.error().message,
+                                                               tables.size(), (*folder / "tables.txt").string())});
   }
   if (options.json) {
     nlohmann::ordered_json json = {{"folder", folder->string()}, {"tables", nlohmann::ordered_json::array()}};
@@ -116,7 +115,8 @@ void add_reproduce(CLI::App& app, Invocation& invocation) {
   command->add_option("WHAT", options->what, "thesis")->required()->check(CLI::IsMember({"thesis"}));
   command->add_option("-o,--output", options->folder, "The folder to make (default: coppice-thesis-<UTC time>)")
       ->type_name("FOLDER");
-  command->add_option("--workers", options->workers, "Start N worker processes on this machine (default: evaluate here)")
+  command
+      ->add_option("--workers", options->workers, "Start N worker processes on this machine (default: evaluate here)")
       ->type_name("N")
       ->check(whole_number());
   command

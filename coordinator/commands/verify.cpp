@@ -151,7 +151,8 @@ Result<void> verify_command(const Options& options, const StopFlag& stop) {
 
 void add_verify(CLI::App& app, Invocation& invocation) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("verify", "What a tree promises: exact figures with intervals, and rules proved");
+  CLI::App* command =
+      app.add_subcommand("verify", "What a tree promises: exact figures with intervals, and rules proved");
   command->add_option("STUDY", options->study, "The study file")->required();
   add_tree_option(*command, options->tree);
   command->add_option("--rule", options->rules, "Prove this for every possible observation; may be repeated")
@@ -175,7 +176,8 @@ void add_verify(CLI::App& app, Invocation& invocation) {
       ->capture_default_str();
   command->add_flag("--json", options->json, "Report as one JSON object");
   command->footer(
-      "A rule is 'never ACTION when CONDITION' or 'always ACTION when CONDITION'; 'or' joins actions, 'and' and 'or' join\n"
+      "A rule is 'never ACTION when CONDITION' or 'always ACTION when CONDITION'; 'or' joins actions, 'and' and 'or' "
+      "join\n"
       "tests (s3=0, s3!=0, x<=4), 'none' is no action. Ends with 1 when a rule is broken.\n"
       "Examples:\n"
       "  coppice verify uav.coppice --rule 'never move when s3=0'\n"

@@ -34,7 +34,8 @@ struct LearnSettings {
   double gamma = 0.8;         // discount factor
   double epsilon = 0.5;       // exploration in the first episode
   Decay decay = Decay::thesis;
-  // More episodes behind those, without exploration: thesis Table 4-1 has 200 episodes and SARSA converge in episode 269.
+  // More episodes behind those, without exploration: thesis Table 4-1 has 200 episodes and SARSA converge in episode
+  // 269.
   std::uint64_t greedy_episodes = 0;
   std::uint64_t seed = 1;
 };

@@ -45,9 +45,8 @@ Column column_of(const std::vector<GridLearned>& all, Algorithm algorithm) {
   }
   Column column;
   column.episodes = fmt::format("{}, then {} greedy", settings.episodes, settings.greedy_episodes);
-  column.converged = converged.empty()
-                         ? "none"
-                         : fmt::format("{}, {}", spread(converged), percent_of(converged.size(), all.size()));
+  column.converged =
+      converged.empty() ? "none" : fmt::format("{}, {}", spread(converged), percent_of(converged.size(), all.size()));
   column.way =
       steps.empty() ? "none" : fmt::format("{} steps, {}", spread(steps), percent_of(steps.size(), all.size()));
   column.reward = steps.empty() ? "-" : fmt::format("{:.0f}", best);
@@ -78,7 +77,7 @@ Result<GridLearned> learn_grid(Algorithm algorithm, std::uint64_t seed) {
 
 std::uint64_t converged_in(const Learned& learned, const LearnSettings& settings) {
   return learned.last_change_episode == settings.episodes + settings.greedy_episodes ? 0
-                                                                                      : learned.last_change_episode + 1;
+                                                                                     : learned.last_change_episode + 1;
 }
 
 Comparison grid_learning_table(const std::vector<GridLearned>& q_learning, const std::vector<GridLearned>& sarsa) {
@@ -99,13 +98,16 @@ Comparison grid_learning_table(const std::vector<GridLearned>& q_learning, const
       {"highest reward of an episode", printed(printed::kGridReward), {q.reward, s.reward}},
   };
   table.remarks = {
-      "Converged: no value of Q changes by 1e-8 or more in any later episode. SARSA is printed to converge in episode 269 "
+      "Converged: no value of Q changes by 1e-8 or more in any later episode. SARSA is printed to converge in episode "
+      "269 "
       "of 200, so exploration had ended by then: we let both go on without it, too. SARSA values what it explores, "
       "so "
       "it cannot converge before exploration ends. Again: coppice learn -o FILE --world windy --algorithm sarsa "
       "--greedy-episodes 500 --seed N",
-      "The thesis does not print its grid. In Sutton and Barto's, which it adapts, the goal is 15 of the 25 allowed steps "
-      "away and no seed finds it in 200 episodes, so ours has 2000. The shortest way earns 9 - 14 = -5 here; the printed "
+      "The thesis does not print its grid. In Sutton and Barto's, which it adapts, the goal is 15 of the 25 allowed "
+      "steps "
+      "away and no seed finds it in 200 episodes, so ours has 2000. The shortest way earns 9 - 14 = -5 here; the "
+      "printed "
       "-13 would take a way of 23 steps.",
   };
   return table;
@@ -175,9 +177,10 @@ Comparison grid_tree_table(const std::vector<GridTree>& trees, const GridLearned
                 {"steps to the goal",
                  {"", ""},
                  {std::to_string(policy.steps), smallest == nullptr ? "-" : std::to_string(policy.steps)}}};
-  table.remarks = {fmt::format("{} of {} evolutions follow the policy on every step of its way, {} of them with {} nodes or "
-                               "fewer after pruning on the way's states.",
-                               following, trees.size(), small, kThesisNodes)};
+  table.remarks = {
+      fmt::format("{} of {} evolutions follow the policy on every step of its way, {} of them with {} nodes or "
+                  "fewer after pruning on the way's states.",
+                  following, trees.size(), small, kThesisNodes)};
   if (smallest != nullptr) {
     table.remarks.push_back(
         fmt::format("The smallest, seed {}: {}", smallest->seed, to_text(smallest->tree, chain.vocabulary())));

@@ -17,9 +17,9 @@ namespace coppice {
 // One algorithm with one seed.
 struct GridLearned {
   Learned learned;
-  bool arrives = false;        // the greedy policy reaches the goal from the start
-  std::uint32_t steps = 0;     // it takes, if it arrives
-  double reward = 0.0;         // of that way
+  bool arrives = false;     // the greedy policy reaches the goal from the start
+  std::uint32_t steps = 0;  // it takes, if it arrives
+  double reward = 0.0;      // of that way
 };
 
 // Behind the episodes of Table 4-1 (ours has more: default_settings()) come this many without exploration.

@@ -1,5 +1,6 @@
 // What the thesis prints: Y.S. Janssen, "Reinforcement Learning Policy Approximation by Behavior Trees using Genetic
-// Algorithms", TU Delft, 2016. Cells are quoted as they stand, mistakes included; each block names its table and section.
+// Algorithms", TU Delft, 2016. Cells are quoted as they stand, mistakes included; each block names its table and
+// section.
 #pragma once
 
 #include <array>
@@ -24,20 +25,22 @@ inline constexpr std::array<std::string_view, 3> kFourReward{"283", "248", "266"
 inline constexpr std::array<std::string_view, 3> kFourSize{"3123-entries", "6 nodes", "20 nodes"};
 
 // Table 5-1, section 5-1-1.
-inline constexpr TwoColumns kFiveOne{"3237", "6324", "50%", "89%", "100 %", "86%", "283", "48", "3123 entries", "91 nodes"};
+inline constexpr TwoColumns kFiveOne{"3237", "6324", "50%", "89%",          "100 %",
+                                     "86%",  "283",  "48",  "3123 entries", "91 nodes"};
 // Table 5-2, section 5-1-1.
-inline constexpr TwoColumns kFiveTwo{"3237",  "10124", "100 %", "52 %",         "100 %",
-                                     "50%",   "298",   "-150",  "3123 entries", "90 nodes"};
+inline constexpr TwoColumns kFiveTwo{"3237", "10124", "100 %", "52 %",         "100 %",
+                                     "50%",  "298",   "-150",  "3123 entries", "90 nodes"};
 // Table 5-6, section 5-1-2.
 inline constexpr TwoColumns kFiveSix{"", "", "100 %", "34 %", "100 %", "93%", "298", "159", "3123 entries", "17 nodes"};
 // Table 5-7, section 5-2-1.
-inline constexpr TwoColumns kFiveSeven{"", "", "100 %", "82 %", "100 %", "49 %", "260", "-484", "3123 entries", "9 nodes"};
+inline constexpr TwoColumns kFiveSeven{"",     "",    "100 %", "82 %",         "100 %",
+                                       "49 %", "260", "-484",  "3123 entries", "9 nodes"};
 
 // Table 5-8, section 5-2-1: ten runs.
 inline constexpr std::array<std::string_view, 10> kFiveEightReward{"107",   "145",   "147",   "38",   "-1212",
-                                                                  "-1034", "-1034", "-1014", "-974", "159"};
+                                                                   "-1034", "-1034", "-1014", "-974", "159"};
 inline constexpr std::array<std::string_view, 10> kFiveEightSuccess{"88%", "85%", "87%", "79%", "16%",
-                                                                   "25%", "25%", "24%", "24%", "85%"};
+                                                                    "25%", "25%", "24%", "24%", "85%"};
 
 // Table 5-3, section 5-1-1: Q-values of three states; move, turn left, turn right.
 struct StateValues {

@@ -1,6 +1,6 @@
-// `coppice reproduce thesis`: the experiments of the thesis, run again on our room and the windy grid, each table beside
-// the printed one. Everything lands in one folder: the studies with every run, and the tables. The same settings give
-// the same tables, serial or over workers.
+// `coppice reproduce thesis`: the experiments of the thesis, run again on our room and the windy grid, each table
+// beside the printed one. Everything lands in one folder: the studies with every run, and the tables. The same settings
+// give the same tables, serial or over workers.
 #pragma once
 
 #include <cstdint>
@@ -19,10 +19,10 @@ namespace coppice {
 inline constexpr std::uint32_t kMostTrials = 1000;
 
 struct ReproduceSettings {
-  std::uint32_t seeds = 10;             // evolutions of each experiment, seeds 1 to this
-  std::uint64_t episodes = 1'000'000;   // of learning in the room
+  std::uint32_t seeds = 10;            // evolutions of each experiment, seeds 1 to this
+  std::uint64_t episodes = 1'000'000;  // of learning in the room
   std::uint64_t learning_seed = 1;
-  std::uint64_t score_episodes = 500;   // in the simulator
+  std::uint64_t score_episodes = 500;  // in the simulator
 };
 // Error: a number out of range, by its flag.
 Result<void> check_settings(const ReproduceSettings& settings);

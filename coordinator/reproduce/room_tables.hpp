@@ -14,10 +14,11 @@ namespace coppice {
 struct RoomRun {
   const Chain& chain;
   const World& world;
-  std::string study;         // its file's name, for commands
-  ControllerScore policy;    // the learned policy in the simulator
-  double policy_q = 0.0;     // its accumulated Q along the chain
+  std::string study;       // its file's name, for commands
+  ControllerScore policy;  // the learned policy in the simulator
+  double policy_q = 0.0;   // its accumulated Q along the chain
   SimulateSettings simulate;
+  std::uint64_t episodes = 0;   // of learning
   std::uint32_t q_steps = 100;  // over which Q is accumulated: thesis Table III
 };
 
@@ -38,10 +39,14 @@ Comparison tree_table(const TreeTable& table, const RoomRun& run, const Experime
 Comparison table_five_three(const RoomRun& run);
 Comparison table_five_four(const RoomRun& run);
 
-// Table 5-8: ten runs of one tree. REQUIRES: ten records.
-Comparison table_five_eight(const RoomRun& run, const std::vector<EpisodeRecord>& runs);
+// What the trials of an experiment have in common, in words: how many collide, stand still, ...
+std::string remark_on_acting(const std::vector<Trial>& trials);    // Table 5-7
+std::string remark_on_spinning(const std::vector<Trial>& trials);  // Table 5-6
+
+// Table 5-8: ten runs of the tree of Table 5-7, and of the one that collides most.
+Comparison table_five_eight(const RoomRun& run, const std::vector<Trial>& trials);
 
 // The count of the discussion (VII, "Easy verification"). Errors: as check_rule().
-Result<Comparison> verification_count(const RoomRun& run, const Tree& tree);
+Result<Comparison> verification_count(const RoomRun& run, const std::vector<Trial>& trials);
 
 }  // namespace coppice

@@ -102,6 +102,7 @@ Result<Trial> run_trial(const Experiment& experiment, std::uint64_t seed, const 
               .tree = evolved->best.tree,
               .pruned = simplify(evolved->best.tree, vocabulary, columns).tree,
               .fitness = evolved->best.fitness,
+              .agreement = evolved->best.agreement,
               .best_generation = evolved->best.generation,
               .accumulated_q = 0.0,
               .score = {}};

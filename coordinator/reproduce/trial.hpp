@@ -31,6 +31,7 @@ struct Trial {
   Tree tree{ActionId{0}};
   Tree pruned{ActionId{0}};
   double fitness = 0.0;
+  double agreement = 0.0;  // along the walks that it was evolved on: the final sample's
   std::uint32_t best_generation = 0;
   double accumulated_q = 0.0;  // expected sum of Q(s, a) along the chain, over the roll-outs' steps
   ControllerScore score;       // in the simulator, and over all states

@@ -90,7 +90,8 @@ class GroupSearch {
     std::vector<std::uint32_t> states;
     for (std::uint32_t state = 0; state < chain_.states(); ++state) {
       const auto begin = gains_.begin() + static_cast<std::ptrdiff_t>(state * chain_.actions());
-      if (std::any_of(begin, begin + static_cast<std::ptrdiff_t>(chain_.actions()), [](double g) { return g != 0.0; })) {
+      if (std::any_of(begin, begin + static_cast<std::ptrdiff_t>(chain_.actions()),
+                      [](double g) { return g != 0.0; })) {
         states.push_back(state);  // the others change no sum
       }
     }
@@ -129,7 +130,8 @@ class GroupSearch {
     const auto most = std::max_element(saved.begin(), saved.end());
     std::optional<Group>& best = best_[chosen.size()];
     if (!chosen.empty() && (!best || *most > best->saved)) {
-      best = Group{.tests = chosen, .action = ActionId{static_cast<std::uint8_t>(most - saved.begin())}, .saved = *most};
+      best =
+          Group{.tests = chosen, .action = ActionId{static_cast<std::uint8_t>(most - saved.begin())}, .saved = *most};
     }
     const double hope = *std::max_element(bound.begin(), bound.end());
     if (chosen.size() + 1 == best_.size() || !can_improve(hope, chosen.size())) {
@@ -142,7 +144,8 @@ class GroupSearch {
           kept.push_back(state);
         }
       }
-      if (!kept.empty() && kept.size() < states.size()) {
+      // A test that changes nothing makes the conjunction longer, no better.
+      if (!kept.empty() && (kept.size() < states.size() || chosen.empty())) {
         chosen.push_back(tests_[test]);
         descend(kept, test + 1, chosen);
         chosen.pop_back();
@@ -218,13 +221,12 @@ Explanation explain(const Chain& chain, const Tree& tree, const ExplainSettings&
     if (of_tree[state] == of_policy[state]) {
       continue;
     }
-    result.disagreements.push_back(
-        {.state = state,
-         .visits = weights[state],
-         .regret = value_of(chain, state, of_policy[state]) - now,
-         .policy = chain.policy(state),
-         .tree = of_tree[state] < actions ? ActionId{of_tree[state]} : kNoAction,
-         .writer = last_writer(tree, jumps, chain.features_of(state))});
+    result.disagreements.push_back({.state = state,
+                                    .visits = weights[state],
+                                    .regret = value_of(chain, state, of_policy[state]) - now,
+                                    .policy = chain.policy(state),
+                                    .tree = of_tree[state] < actions ? ActionId{of_tree[state]} : kNoAction,
+                                    .writer = last_writer(tree, jumps, chain.features_of(state))});
     result.cost += result.disagreements.back().cost();
   }
   std::stable_sort(result.disagreements.begin(), result.disagreements.end(),

@@ -1,17 +1,17 @@
 // Where a tree and the policy differ, what that costs, and which branch would mend most of it.
 //
 // Cost of a state: visits x regret, with regret = V(s) - Q(s, the tree's action) and V(s) = Q(s, the policy's action),
-// from the learned Q-table. Weighted with the tree's own expected visits this is the performance difference lemma (Kakade
-// and Langford, "Approximately optimal approximate reinforcement learning", ICML 2002): summed over all states it is what
-// the tree earns less than the policy, as far as Q is the policy's. A tree without an action stays where it is for ever,
-// which is worth 0.
+// from the learned Q-table. Weighted with the tree's own expected visits this is the performance difference lemma
+// (Kakade and Langford, "Approximately optimal approximate reinforcement learning", ICML 2002): summed over all states
+// it is what the tree earns less than the policy, as far as Q is the policy's. A tree without an action stays where it
+// is for ever, which is worth 0.
 //
 // Groups: for a conjunction C of at most so many tests and an action a, the saving is the sum over the states in C of
 // visits x (Q(s, a) - Q(s, tree's action)): what is mended less what is spoilt. The best is found by depth-first search
-// with the optimistic bound "as if only what is mended were kept" (subgroup discovery: Wrobel, PKDD 1997; Grosskreutz et
-// al., ECML PKDD 2008), which is exact unless kMostConjunctions ends it. Then the tree counts as doing a in C, and the next
-// group is sought, whose branch goes in front, so that it may make exceptions (sequential covering: Clark and Niblett,
-// "The CN2 induction algorithm", Machine Learning 1989).
+// with the optimistic bound "as if only what is mended were kept" (subgroup discovery: Wrobel, PKDD 1997; Grosskreutz
+// et al., ECML PKDD 2008), which is exact unless kMostConjunctions ends it. Then the tree counts as doing a in C, and
+// the next group is sought, whose branch goes in front, so that it may make exceptions (sequential covering: Clark and
+// Niblett, "The CN2 induction algorithm", Machine Learning 1989).
 #pragma once
 
 #include <cstdint>
@@ -39,7 +39,8 @@ Result<Weighting> weighting_named(std::string_view name);
 struct Disagreement {
   std::size_t state = 0;
   double visits = 0.0;
-  double regret = 0.0;  // negative where the tree's action has the higher Q: never, the policy being greedy, but for ties
+  double regret =
+      0.0;  // negative where the tree's action has the higher Q: never, the policy being greedy, but for ties
   double cost() const { return visits * regret; }
   ActionId policy{};
   ActionId tree = kNoAction;
@@ -49,11 +50,11 @@ struct Disagreement {
 struct Group {
   std::vector<Node> tests;  // conditions, all of which hold
   ActionId action{};
-  double saved = 0.0;            // of the total cost
-  std::size_t states = 0;        // of the chain in which the tests hold
-  std::size_t disagreements = 0; // of them: the tree differs from the policy now
-  std::size_t mended = 0;        // of these: the policy's action is the group's
-  std::size_t spoilt = 0;        // states in which tree and policy agree now, on another action than the group's
+  double saved = 0.0;             // of the total cost
+  std::size_t states = 0;         // of the chain in which the tests hold
+  std::size_t disagreements = 0;  // of them: the tree differs from the policy now
+  std::size_t mended = 0;         // of these: the policy's action is the group's
+  std::size_t spoilt = 0;         // states in which tree and policy agree now, on another action than the group's
 };
 
 struct ExplainSettings {
@@ -68,10 +69,10 @@ Result<void> check_settings(const ExplainSettings& settings);
 struct Explanation {
   ExplainSettings settings;
   std::size_t states = 0;
-  double cost = 0.0;                         // of all disagreements
-  std::vector<Disagreement> disagreements;   // the costliest first
-  std::vector<Group> groups;                 // in the order in which they were found
-  bool complete = true;                      // every search for a group came to its end
+  double cost = 0.0;                        // of all disagreements
+  std::vector<Disagreement> disagreements;  // the costliest first
+  std::vector<Group> groups;                // in the order in which they were found
+  bool complete = true;                     // every search for a group came to its end
 };
 
 // REQUIRES: check_settings(), check_tree(tree, chain.vocabulary()).

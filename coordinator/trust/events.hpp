@@ -1,8 +1,8 @@
-// What can happen to an agent, told by what the chain keeps. A chain records for each (state, action) pair the successors
-// and the summed reward, not what happened. So an event is told by the reward: a pair is an event if its mean recorded
-// reward passes a test. Where a world gives each thing that can happen a reward of its own, and the test is for the
-// lowest or the highest of them, that is exact: a mean of -10 where nothing is worse than -10 says that every try gave
-// -10. A mean strictly between tells nothing; such pairs are counted (`unclear`), never guessed at.
+// What can happen to an agent, told by what the chain keeps. A chain records for each (state, action) pair the
+// successors and the summed reward, not what happened. So an event is told by the reward: a pair is an event if its
+// mean recorded reward passes a test. Where a world gives each thing that can happen a reward of its own, and the test
+// is for the lowest or the highest of them, that is exact: a mean of -10 where nothing is worse than -10 says that
+// every try gave -10. A mean strictly between tells nothing; such pairs are counted (`unclear`), never guessed at.
 #pragma once
 
 #include <cstddef>

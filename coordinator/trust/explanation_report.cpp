@@ -51,9 +51,8 @@ Json json_of(const TreeFigures& figures) {
 }  // namespace
 
 ExplainReport explain_report(const Chain& chain, const Tree& tree, const ExplainSettings& settings) {
-  ExplainReport report{.explanation = explain(chain, tree, settings),
-                       .now = figures_of(chain, tree, settings.steps),
-                       .suggestions = {}};
+  ExplainReport report{
+      .explanation = explain(chain, tree, settings), .now = figures_of(chain, tree, settings.steps), .suggestions = {}};
   const Vocabulary& vocabulary = chain.vocabulary();
   Tree together = tree;
   for (const Group& group : report.explanation.groups) {

@@ -14,7 +14,7 @@ namespace coppice {
 // A group's branch, and what the tree would be with it alone, or with all branches up to it, the latest tried first.
 struct Suggestion {
   Tree branch;
-  std::string edit;     // what `coppice edit` takes to add it: "--insert '0 0 (sequence ...)'"
+  std::string edit;  // what `coppice edit` takes to add it: "--insert '0 0 (sequence ...)'"
   TreeFigures alone;
   TreeFigures together;  // behind it the branches of the groups before it
   Tree together_tree;

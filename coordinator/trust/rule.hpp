@@ -32,16 +32,16 @@ using ValueSet = std::bitset<256>;
 struct Rule {
   std::string text;  // as given
   bool always = false;
-  std::vector<ActionId> actions;             // kNoAction: none
-  std::vector<std::vector<ValueSet>> when;   // any of these; [features] the values allowed, none of them empty
+  std::vector<ActionId> actions;            // kNoAction: none
+  std::vector<std::vector<ValueSet>> when;  // any of these; [features] the values allowed, none of them empty
   // Whether a tree that does `action` where the rule applies breaks it.
   bool broken_by(ActionId action) const;
   // Whether it applies to an observation. [features]
   bool applies(std::span<const std::uint8_t> features) const;
 };
 
-// Errors name the column (from 1), what was found and what was expected: a value that the feature never has, a condition
-// that no observation meets. Never throws on any input.
+// Errors name the column (from 1), what was found and what was expected: a value that the feature never has, a
+// condition that no observation meets. Never throws on any input.
 Result<Rule> parse_rule(std::string_view text, const Vocabulary& vocabulary);
 
 // Rules from a file, one a line; blank lines and lines that start with # are skipped. Errors name file and line.

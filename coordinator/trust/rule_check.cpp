@@ -13,8 +13,8 @@ namespace {
 
 constexpr unsigned kByte = 8;
 
-// For each feature that the tree tests, its values in classes that no test of the tree, nor the rule, tells apart. A box
-// is a string of bits, one a class: what is still possible.
+// For each feature that the tree tests, its values in classes that no test of the tree, nor the rule, tells apart. A
+// box is a string of bits, one a class: what is still possible.
 class Classes {
  public:
   Classes(const Tree& tree, const Vocabulary& vocabulary, const std::vector<ValueSet>& allowed)
@@ -87,7 +87,7 @@ class Classes {
  private:
   struct Place {
     bool tested = false;
-    std::size_t at = 0;     // first byte
+    std::size_t at = 0;  // first byte
     std::size_t bytes = 0;
     std::vector<std::vector<std::uint8_t>> values;  // by class, ascending
   };

@@ -1,11 +1,11 @@
 // Proves a rule about a tree for every observation that the vocabulary allows, or finds one that breaks it; and says
 // which nodes decide, which is the verification argument of the thesis (VII, "Easy verification") made exact.
 //
-// Method: symbolic execution (King, "Symbolic execution and program testing", CACM 1976) of the tick as a program without
-// loops (jumps.hpp). A state is the leaf that comes next, the node that wrote last, and for each feature which of its
-// values are still possible; values that no test tells apart are one. A test splits a state only where it can go both
-// ways, and what was learned about a feature is forgotten when no later leaf tests it, so that states that will do the
-// same from here on become one: the number of states follows the tree's tests, not the 2^k observations.
+// Method: symbolic execution (King, "Symbolic execution and program testing", CACM 1976) of the tick as a program
+// without loops (jumps.hpp). A state is the leaf that comes next, the node that wrote last, and for each feature which
+// of its values are still possible; values that no test tells apart are one. A test splits a state only where it can go
+// both ways, and what was learned about a feature is forgotten when no later leaf tests it, so that states that will do
+// the same from here on become one: the number of states follows the tree's tests, not the 2^k observations.
 #pragma once
 
 #include <cstddef>

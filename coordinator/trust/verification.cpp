@@ -161,8 +161,8 @@ Result<void> check_settings(const VerifySettings& settings) {
     return bad_input(fmt::format("--steps is {}: expected 1 to {}", settings.steps, kMaxEpisodeSteps));
   }
   if (settings.resamples < kFewestResamples || settings.resamples > kMostResamples) {
-    return bad_input(fmt::format("--resamples is {}: expected {} to {}", settings.resamples, kFewestResamples,
-                                 kMostResamples));
+    return bad_input(
+        fmt::format("--resamples is {}: expected {} to {}", settings.resamples, kFewestResamples, kMostResamples));
   }
   return {};
 }
@@ -179,8 +179,13 @@ Result<Verification> verify(const Chain& chain, const Tree& tree, const std::vec
   for (const Event& event : events) {
     const EventPairs pairs = pairs_of(event, chain, world_rewards);
     chances.push_back(model.under_tree(pairs));
-    result.events.push_back(
-        {.name = event.name, .test = to_text(event), .pairs = pairs.pairs, .unclear = pairs.unclear, .within = {}, .ever = {}, .steps = {}});
+    result.events.push_back({.name = event.name,
+                             .test = to_text(event),
+                             .pairs = pairs.pairs,
+                             .unclear = pairs.unclear,
+                             .within = {},
+                             .ever = {},
+                             .steps = {}});
   }
   // Leaving: by an untried pair; or also by a successor never seen, whose chance a draw makes anew below.
   const std::size_t untried = chances.size();
@@ -224,7 +229,8 @@ Result<Verification> verify(const Chain& chain, const Tree& tree, const std::vec
     draws.push_back(model.answer(chances, true));
   }
   result.reward = *figure(found.reward, parts(draws, [](const Answers& a) { return a.reward; }));
-  result.reward_per_step = figure(found.reward_per_step, parts(draws, [](const Answers& a) { return a.reward_per_step; }));
+  result.reward_per_step =
+      figure(found.reward_per_step, parts(draws, [](const Answers& a) { return a.reward_per_step; }));
   for (std::size_t i = 0; i < events.size(); ++i) {
     fill_figures(result.events[i], i, found, draws);
   }

@@ -1,10 +1,11 @@
 // What a tree promises on a chain: probabilities and expected values of the walk that it makes, computed exactly
 // (common/chain/exact.hpp, exact_events.hpp), each with an interval for what the counts leave open.
 //
-// Interval: the counted rows under the tree are drawn again from their posterior (common/chain/count_posterior.hpp), every
-// figure is solved anew, and the 2.5 % and 97.5 % quantiles over the draws are its bounds. That is the uncertainty of
-// counting alone. It does not hold what the model leaves out: that observations which look alike may differ (the chain is
-// Markov, the room is not), and that mean rewards are taken as recorded. The simulator's figures beside them show that.
+// Interval: the counted rows under the tree are drawn again from their posterior (common/chain/count_posterior.hpp),
+// every figure is solved anew, and the 2.5 % and 97.5 % quantiles over the draws are its bounds. That is the
+// uncertainty of counting alone. It does not hold what the model leaves out: that observations which look alike may
+// differ (the chain is Markov, the room is not), and that mean rewards are taken as recorded. The simulator's figures
+// beside them show that.
 //
 // Probabilities of events are those before the walk leaves the learned model (exact_events.hpp); rewards follow the
 // chain's rule of roll-outs, in which a pair that was never tried leads to every state alike.
@@ -28,9 +29,9 @@ inline constexpr std::uint32_t kFewestResamples = 20;
 inline constexpr std::uint32_t kMostResamples = 100'000;
 
 struct VerifySettings {
-  std::uint32_t steps = 150;       // of an episode
-  std::uint32_t resamples = 200;   // draws behind an interval
-  std::uint64_t seed = 1;          // of the draws
+  std::uint32_t steps = 150;      // of an episode
+  std::uint32_t resamples = 200;  // draws behind an interval
+  std::uint64_t seed = 1;         // of the draws
 };
 
 // Error: a number out of range, by its flag.
@@ -44,19 +45,19 @@ struct Figure {
 
 struct EventFigures {
   std::string name;
-  std::string test;          // "reward<=-10"; of leaving the model: what counts as that
-  std::size_t pairs = 0;     // of the chain that are the event
-  std::size_t unclear = 0;   // whose recorded reward does not tell
-  Figure within;             // probability within an episode
+  std::string test;             // "reward<=-10"; of leaving the model: what counts as that
+  std::size_t pairs = 0;        // of the chain that are the event
+  std::size_t unclear = 0;      // whose recorded reward does not tell
+  Figure within;                // probability within an episode
   std::optional<Figure> ever;   // nothing: the chain is too large to be solved
   std::optional<Figure> steps;  // until it happens, of the walks in which it does; nothing: it never does
 };
 
 struct Verification {
   VerifySettings settings;
-  std::size_t states = 0;   // of the chain
-  std::size_t reached = 0;  // by the walk
-  Figure reward;            // per episode
+  std::size_t states = 0;                 // of the chain
+  std::size_t reached = 0;                // by the walk
+  Figure reward;                          // per episode
   std::optional<Figure> reward_per_step;  // in the long run
   std::vector<EventFigures> events;
   EventFigures untried;  // takes an action that learning never tried in that state

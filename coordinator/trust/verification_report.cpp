@@ -50,11 +50,11 @@ constexpr const char* kNever = "never";
 std::string event_text(const EventFigures& event, const std::string& title, std::uint32_t steps,
                        const std::string& simulator) {
   const bool solved = event.ever.has_value();
-  std::string text = row(fmt::format("{} within {}", title, counted(steps, "step")), cell(event.within, percent, ""),
-                         simulator);
+  std::string text =
+      row(fmt::format("{} within {}", title, counted(steps, "step")), cell(event.within, percent, ""), simulator);
   text += row(fmt::format("{} ever", title), cell(event.ever, percent, kNotSolved), "");
-  text += row("  expected steps until then, where it comes",
-              cell(event.steps, number, solved ? kNever : kNotSolved), "");
+  text +=
+      row("  expected steps until then, where it comes", cell(event.steps, number, solved ? kNever : kNotSolved), "");
   return text;
 }
 
@@ -63,9 +63,12 @@ Json json_of(const std::optional<Figure>& figure) {
 }
 
 Json json_of(const EventFigures& event) {
-  return {{"name", event.name},         {"test", event.test},
-          {"pairs", event.pairs},       {"unclear_pairs", event.unclear},
-          {"within", json_of(event.within)}, {"ever", json_of(event.ever)},
+  return {{"name", event.name},
+          {"test", event.test},
+          {"pairs", event.pairs},
+          {"unclear_pairs", event.unclear},
+          {"within", json_of(event.within)},
+          {"ever", json_of(event.ever)},
           {"steps", json_of(event.steps)}};
 }
 
@@ -141,7 +144,8 @@ std::string numbered(const Tree& tree, const Vocabulary& vocabulary, const std::
 std::string to_text(const Verification& verification, const std::optional<Simulated>& simulated) {
   const std::uint32_t steps = verification.settings.steps;
   std::string text = fmt::format(
-      "Exact on the chain under the tree, {} of {} states reached. [,] is a 95 % interval for the counts: {} draws of the\n"
+      "Exact on the chain under the tree, {} of {} states reached. [,] is a 95 % interval for the counts: {} draws of "
+      "the\n"
       "counted rows from their Dirichlet posterior (Bayesian bootstrap), each solved anew, seed {}.\n",
       verification.reached, verification.states, verification.settings.resamples, verification.settings.seed);
   if (simulated) {
@@ -158,8 +162,7 @@ std::string to_text(const Verification& verification, const std::optional<Simula
   }
   text += event_text(verification.untried, "leaves the model", steps, "");
   text += row(fmt::format("  or by a successor never seen, {}", counted(steps, "step")),
-              cell(verification.unseen.within, percent, ""),
-              simulated ? cell(simulated->unknown, percent, "") : "");
+              cell(verification.unseen.within, percent, ""), simulated ? cell(simulated->unknown, percent, "") : "");
   for (const EventFigures& event : verification.events) {
     text += fmt::format("{}: an action whose recorded mean has {}: {} of state and action", event.name, event.test,
                         counted(event.pairs, "pair"));
@@ -170,9 +173,11 @@ std::string to_text(const Verification& verification, const std::optional<Simula
   text +=
       "leaves the model: takes an action that learning never tried in that state. Events count before that: add its\n"
       "probability for an upper bound. Successors never seen: estimated from those seen once (Good 1953).\n";
-  if (simulated && (simulated->reward.low > verification.reward.high || simulated->reward.high < verification.reward.low)) {
+  if (simulated &&
+      (simulated->reward.low > verification.reward.high || simulated->reward.high < verification.reward.low)) {
     text += fmt::format(
-        "The simulator earns {} than the chain promises, beyond both intervals: states that look alike to the sensors are\n"
+        "The simulator earns {} than the chain promises, beyond both intervals: states that look alike to the sensors "
+        "are\n"
         "one state of the chain, which therefore mixes what follows them. No interval for the counts holds that.\n",
         simulated->reward.value < verification.reward.value ? "less" : "more");
   }

@@ -27,7 +27,8 @@ TEST(Comparison, LongRemarksAreBrokenBetweenWords) {
   Comparison table = kTable;
   table.remarks = {std::string(100, 'a') + ' ' + std::string(30, 'b') + " c"};
   const std::string text = to_text(table);
-  EXPECT_NE(text.find("- " + std::string(100, 'a') + "\n  " + std::string(30, 'b') + " c\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("- " + std::string(100, 'a') + "\n  " + std::string(30, 'b') + " c\n"), std::string::npos)
+      << text;
 }
 
 TEST(Comparison, JsonHasEveryCell) {

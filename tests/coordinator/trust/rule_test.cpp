@@ -31,7 +31,8 @@ TEST(Rule, SaysWhenItAppliesAndWhatBreaksIt) {
 }
 
 TEST(Rule, JoinsActionsAndTests) {
-  const auto rule = parse_rule("always turn_left or turn_right when s3 = 0 and s1!=3 or s7<1 and s7 >= 0", arbitrary::uav());
+  const auto rule =
+      parse_rule("always turn_left or turn_right when s3 = 0 and s1!=3 or s7<1 and s7 >= 0", arbitrary::uav());
   ASSERT_TRUE(rule) << rule.error().message;
   EXPECT_TRUE(applies(*rule, {1, 1, 1, 0, 1, 1, 1, 1}));
   EXPECT_FALSE(applies(*rule, {1, 3, 1, 0, 1, 1, 1, 1}));
@@ -67,7 +68,8 @@ TEST(Rule, MistakesAreNamedWithTheirColumn) {
 
 TEST(Rule, NeverThrowsOnAnyText) {
   Xoshiro256 random(3);
-  const std::vector<std::string> words{"never", "always", "move", "none", "when", "and", "or", "s3", "=", "<=", "0", "3", "!", " ", "(", "\xff"};
+  const std::vector<std::string> words{"never", "always", "move", "none", "when", "and", "or", "s3",
+                                       "=",     "<=",     "0",    "3",    "!",    " ",   "(",  "\xff"};
   int good = 0;
   for (int i = 0; i < 20'000; ++i) {
     std::string text = random.below(2) == 0 ? "never move " : "";

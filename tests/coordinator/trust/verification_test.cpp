@@ -10,8 +10,8 @@
 namespace coppice {
 namespace {
 
-// From state 0 `go` leads to state 1 (reward 5 there) or state 2 (reward 0 there); both lead back to 0. `stay` was never
-// tried anywhere.
+// From state 0 `go` leads to state 1 (reward 5 there) or state 2 (reward 0 there); both lead back to 0. `stay` was
+// never tried anywhere.
 Chain fork(std::uint32_t to_one, std::uint32_t to_two) {
   ChainParts parts;
   parts.vocabulary.features = {{"f", {0, 1, 2}}};
@@ -34,7 +34,8 @@ TEST(Verify, AnIntervalIsThatOfTheCounts) {
   VerifySettings settings;
   settings.steps = 2;
   settings.resamples = 4000;
-  const auto found = verify(chain, tree_of("go", chain), {{.name = "five", .at_most = false, .bound = 5.0}}, {}, settings, {});
+  const auto found =
+      verify(chain, tree_of("go", chain), {{.name = "five", .at_most = false, .bound = 5.0}}, {}, settings, {});
   ASSERT_TRUE(found) << found.error().message;
   const Figure& within = found->events[0].within;
   EXPECT_DOUBLE_EQ(within.value, 0.3);

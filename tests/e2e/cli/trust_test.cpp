@@ -11,8 +11,8 @@ class Trust : public CommandLine {
   void SetUp() override { learn_study(); }
 
   nlohmann::json verified(std::vector<std::string> more, const Ending& ending = kDone) const {
-    std::vector<std::string> arguments{"verify", "study.coppice", "--tree", kWallTree, "--resamples", "20",
-                                       "--episodes", "20", "--json"};
+    std::vector<std::string> arguments{"verify", "study.coppice", "--tree", kWallTree, "--resamples",
+                                       "20",     "--episodes",    "20",     "--json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Completed completed = coppice(arguments);
     EXPECT_EQ(completed.ending, ending) << completed.error;
@@ -56,7 +56,10 @@ TEST_F(Trust, ATreeThatMovesIntoWallsCollidesForSure) {
   const Completed completed = coppice({"verify", "study.coppice", "--tree", "move", "--resamples", "20", "--json"});
   ASSERT_EQ(completed.ending, kDone) << completed.error;
   const auto report = nlohmann::json::parse(completed.output, nullptr, false);
-  EXPECT_EQ(report["events"][0]["ever"]["value"], 1.0);
+  // It collides, or leaves the model before that: 400 episodes of learning have not tried everything.
+  const double ever = report["events"][0]["ever"]["value"];
+  EXPECT_GT(ever, 0.9);
+  EXPECT_GE(ever + report["leaves_by_untried_pair"]["ever"]["value"].get<double>(), 1.0 - 1e-9);
   EXPECT_GT(report["events"][0]["steps"]["value"], 1.0);
   EXPECT_GT(report["simulator"]["collision"]["value"], 0.9);
 }
@@ -81,7 +84,8 @@ TEST_F(Trust, WrongRulesAndFlagsAreNamedWithTheirPlace) {
   expect_wrong_use(with({"--rules", "none.rules"}), {"none.rules", "no rule"});
   expect_wrong_use(with({"--event", "crash"}), {"--event", "crash", "NAME:reward<=NUMBER"});
   expect_wrong_use(with({"--resamples", "3"}), {"--resamples", "3", "20"});
-  expect_wrong_use({"explain", "study.coppice", "--tree", "move", "--weights", "trees"}, {"--weights", "trees", "policy"});
+  expect_wrong_use({"explain", "study.coppice", "--tree", "move", "--weights", "trees"},
+                   {"--weights", "trees", "policy"});
   expect_wrong_use({"explain", "study.coppice", "--tree", "move", "--tests", "0"}, {"--tests", "0"});
   expect_wrong_use({"edit", "study.coppice", "--tree", "move", "--delete", "4"}, {"node 4", "0 to 0"});
   expect_wrong_use({"edit", "study.coppice", "--tree", "move", "--replace", "0 fly"}, {"--replace", "fly"});
@@ -117,13 +121,15 @@ TEST_F(Trust, WhatExplainSuggestsEditAppliesAndItSavesWhatItSays) {
   };
   const auto before = cost_of(kWallTree);
   const auto after = cost_of(before["groups"][0]["tree"]);
-  EXPECT_NEAR(after["cost"].get<double>(), before["cost"].get<double>() - before["groups"][0]["saved"].get<double>(), 1e-6);
+  EXPECT_NEAR(after["cost"].get<double>(), before["cost"].get<double>() - before["groups"][0]["saved"].get<double>(),
+              1e-6);
 }
 
 TEST_F(Trust, EditWithoutAChangeShowsTheNumberedTree) {
   const Completed shown = coppice({"edit", "study.coppice", "--tree", kWallTree, "--episodes", "20"});
   EXPECT_EQ(shown.ending, kDone) << shown.error;
-  EXPECT_EQ(shown.output.rfind("  0  selector\n  1    sequence\n  2      s3=0\n  3      turn_left\n  4    move\n", 0), 0U)
+  EXPECT_EQ(shown.output.rfind("  0  selector\n  1    sequence\n  2      s3=0\n  3      turn_left\n  4    move\n", 0),
+            0U)
       << shown.output;
   EXPECT_EQ(files(), std::vector<std::string>{"study.coppice"});
 }
