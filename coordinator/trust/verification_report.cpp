@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "common/chain/exact.hpp"
 #include "common/tree/action_table.hpp"
 #include "common/tree/state_columns.hpp"
 #include "common/tree/text.hpp"
@@ -173,6 +174,9 @@ std::string to_text(const Verification& verification, const std::optional<Simula
   text +=
       "leaves the model: takes an action that learning never tried in that state. Events count before that: add its\n"
       "probability for an upper bound. Successors never seen: estimated from those seen once (Good 1953).\n";
+  if (verification.states > kMaxSolvedStates) {
+    text += fmt::format("not solved: chains of more than {} states are not factorised.\n", kMaxSolvedStates);
+  }
   if (simulated &&
       (simulated->reward.low > verification.reward.high || simulated->reward.high < verification.reward.low)) {
     text += fmt::format(
