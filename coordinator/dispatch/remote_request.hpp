@@ -1,6 +1,6 @@
 // One evaluate() on its way through the workers: its trees, what of them is sent, and the tallies that came back.
-// Trees that mean the same travel once, where finding that out is cheaper than evaluating them twice; it is found out in
-// portions, so that the first batches are at work meanwhile. Without DDS; belongs to the dispatching thread.
+// Trees that mean the same travel once, where finding that out is cheaper than evaluating them twice; it is found out
+// in portions, so that the first batches are at work meanwhile. Without DDS; belongs to the dispatching thread.
 #pragma once
 
 #include <cstdint>

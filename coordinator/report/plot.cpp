@@ -72,8 +72,7 @@ std::string to_gnuplot(const IntervalPlot& plot) {
 }
 
 Result<void> check_gnuplot() {
-  return has_program("gnuplot") ? Result<void>()
-                                : failed("the program 'gnuplot' is not on PATH: install gnuplot-nox");
+  return has_program("gnuplot") ? Result<void>() : failed("the program 'gnuplot' is not on PATH: install gnuplot-nox");
 }
 
 Result<void> write_plot(const IntervalPlot& plot, const std::filesystem::path& path) {

@@ -48,9 +48,9 @@ std::optional<SweepResult> result_of(const Json& json, const Vocabulary& vocabul
   result.seconds = json.at("seconds").get<double>();
   if (json.contains("simulated")) {
     const Json& simulated = json.at("simulated");
-    result.simulated = SweepResult::Simulated{simulated.at("agreement").get<double>(),
-                                              simulated.at("reward").get<double>(),
-                                              simulated.at("collisions").get<double>()};
+    result.simulated =
+        SweepResult::Simulated{simulated.at("agreement").get<double>(), simulated.at("reward").get<double>(),
+                               simulated.at("collisions").get<double>()};
   }
   return result;
 }
@@ -93,7 +93,8 @@ void SweepJournal::read(const std::string& text) {
       if (config && result && json.at("chain") == chain_ && json.at("episodes") == episodes_) {
         results_.insert_or_assign(key_of(*config), std::move(*result));
       }
-    } catch (const Json::exception&) {  // NOLINT(bugprone-empty-catch): cut short, or of another program: its run is repeated
+    } catch (const Json::exception&) {  // NOLINT(bugprone-empty-catch): cut short, or of another program: its run is
+                                        // repeated
     }
   }
 }

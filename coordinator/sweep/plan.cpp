@@ -39,8 +39,8 @@ class SweepReader {
       } else if (key == "episodes") {
         ok = read_episodes(node);
       } else if (key != "set" && key != "grid") {
-        ok = at(key.source(), fmt::format("unknown key '{}': expected one of config, seeds, episodes, [set], [grid]",
-                                          key.str()));
+        ok = at(key.source(),
+                fmt::format("unknown key '{}': expected one of config, seeds, episodes, [set], [grid]", key.str()));
       }
       if (!ok) {
         return tl::unexpected(ok.error());

@@ -12,10 +12,10 @@
 namespace coppice {
 
 struct Measure {
-  std::string name;         // a column of runs.csv
-  std::string title;        // for a table, with its unit
-  double scale = 1.0;       // of the value, for a table
-  int decimals = 1;         // likewise
+  std::string name;          // a column of runs.csv
+  std::string title;         // for a table, with its unit
+  double scale = 1.0;        // of the value, for a table
+  int decimals = 1;          // likewise
   bool high_is_good = true;  // which end is the best
 };
 

@@ -119,8 +119,7 @@ class Sweep {
         return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
       }
       const ControllerScore score = controller_score(episodes);
-      result.simulated =
-          SweepResult::Simulated{score.agreement.mean, score.reward.mean, score.collisions.mean};
+      result.simulated = SweepResult::Simulated{score.agreement.mean, score.reward.mean, score.collisions.mean};
     }
     result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
     return result;

@@ -1,6 +1,6 @@
 // Many runs of evolution at once on one set of workers: while one run waits at the end of its generation, the workers
-// evaluate for the others. Each run has a thread and an evaluator of its own, so its result is the one that it has alone,
-// whatever runs beside it.
+// evaluate for the others. Each run has a thread and an evaluator of its own, so its result is the one that it has
+// alone, whatever runs beside it.
 #pragma once
 
 #include <cstddef>
@@ -21,10 +21,10 @@ namespace coppice {
 
 // What a run came to. Everything but seconds is a pure function of (chain, configuration, world, episodes).
 struct SweepResult {
-  double fitness = 0.0;    // of the answer, on the final sample
-  double agreement = 0.0;  // likewise
-  double coverage = 0.0;   // share of all states in which it does what the policy does
-  double distinct = 0.0;   // different trees, as a share of the population, mean over the generations
+  double fitness = 0.0;     // of the answer, on the final sample
+  double agreement = 0.0;   // likewise
+  double coverage = 0.0;    // share of all states in which it does what the policy does
+  double distinct = 0.0;    // different trees, as a share of the population, mean over the generations
   std::uint64_t nodes = 0;  // after pruning on the chain
   Tree tree{ActionId{0}};   // likewise
   struct Simulated {
@@ -39,10 +39,10 @@ struct SweepResult {
 };
 
 struct SweepSettings {
-  std::size_t at_once = 1;                                   // runs
+  std::size_t at_once = 1;                                    // runs
   std::function<std::unique_ptr<Evaluator>()> new_evaluator;  // one for each thread, made on the calling thread
-  std::uint64_t episodes = 500;                              // in the simulator, at least 1
-  std::uint32_t steps = 150;                                 // of an episode
+  std::uint64_t episodes = 500;                               // in the simulator, at least 1
+  std::uint32_t steps = 150;                                  // of an episode
 };
 
 // Called one at a time, from any thread.
@@ -53,8 +53,9 @@ struct SweepHooks {
   std::function<void()> generation_done;
 };
 
-// Runs all of `runs`, starting them in their order; answers are simulated if there is a world. Errors: the first of any run or hook; `interrupted` when the stop
-// flag was raised. What had ended before was reported. REQUIRES: at_once >= 1, every configuration was checked.
+// Runs all of `runs`, starting them in their order; answers are simulated if there is a world. Errors: the first of any
+// run or hook; `interrupted` when the stop flag was raised. What had ended before was reported. REQUIRES: at_once >= 1,
+// every configuration was checked.
 Result<void> sweep(const Chain& chain, const World* world, const std::vector<SweepRun>& runs,
                    const SweepSettings& settings, const SweepHooks& hooks, const StopFlag& stop);
 

@@ -122,9 +122,8 @@ std::string to_text(const SweepPlan& plan, const SweepResults& results) {
     text += "\n";
   }
   text += "means with 95 % intervals (Student's t) over the runs; distinct: different trees in a generation\n";
-  const auto best = std::max_element(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
-    return a.summary(2).mean < b.summary(2).mean;
-  });
+  const auto best = std::max_element(rows.begin(), rows.end(),
+                                     [](const Row& a, const Row& b) { return a.summary(2).mean < b.summary(2).mean; });
   fmt::format_to(std::back_inserter(text), "highest mean fitness: {}; its best run: seed {}\n",
                  plan.label(best->setting), best->seeds[best->best()]);
   return text;
@@ -179,9 +178,9 @@ std::string to_json(const SweepPlan& plan, const SweepResults& results, const Vo
     Json json = {{"setting", values_json(plan, row.setting)}, {"runs", row.runs.size()}};
     for (std::size_t m = 0; m < columns.size(); ++m) {
       const Summary summary = row.summary(m);
-      json[columns[m].name] = {{"mean", summary.mean},     {"deviation", summary.deviation},
+      json[columns[m].name] = {{"mean", summary.mean},       {"deviation", summary.deviation},
                                {"interval", summary.margin}, {"median", summary.median},
-                               {"low", summary.low},       {"high", summary.high}};
+                               {"low", summary.low},         {"high", summary.high}};
     }
     const std::size_t best = row.best();
     json["best"] = {{"seed", row.seeds[best]},
@@ -208,8 +207,8 @@ std::optional<IntervalPlot> plot_of(const SweepPlan& plan, const SweepResults& r
     for (const Row& row : rows) {
       const Summary summary = row.summary(m);
       const double scale = columns[m].scale;
-      panel.points.push_back({summary.mean * scale, (summary.mean - summary.margin) * scale,
-                              (summary.mean + summary.margin) * scale});
+      panel.points.push_back(
+          {summary.mean * scale, (summary.mean - summary.margin) * scale, (summary.mean + summary.margin) * scale});
     }
     plot.panels.push_back(std::move(panel));
   }

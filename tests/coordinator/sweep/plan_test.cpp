@@ -16,7 +16,8 @@ std::string refusal(const std::string& toml) {
 
 TEST(SweepPlan, RunsEveryCombinationWithEverySeed) {
   const auto read = plan(
-      "seeds = 3\n[set]\nga.generations = 7\n[grid]\nrollout.acting = [\"tree\", \"policy\"]\nga.population = [10, 20]\n");
+      "seeds = 3\n[set]\nga.generations = 7\n[grid]\nrollout.acting = [\"tree\", \"policy\"]\nga.population = [10, "
+      "20]\n");
   ASSERT_TRUE(read.has_value()) << read.error().message;
   EXPECT_EQ(read->keys, (std::vector<std::string>{"ga.population", "rollout.acting"}));
   ASSERT_EQ(read->settings.size(), 4U);
@@ -48,8 +49,7 @@ TEST(SweepPlan, NamesFileAndLineOfWhatIsWrong) {
   EXPECT_NE(refusal("seeds = 2\n[grid]\nga.popul = [1]\n").find("unknown key 'popul'"), std::string::npos);
   EXPECT_EQ(refusal("seeds = 2\nseed = 3\n"),
             "sweep.toml: line 2: unknown key 'seed': expected one of config, seeds, episodes, [set], [grid]");
-  EXPECT_EQ(refusal("[grid]\nga.population = [10]\n"),
-            "sweep.toml: no seeds: expected seeds = 10, or a list of seeds");
+  EXPECT_EQ(refusal("[grid]\nga.population = [10]\n"), "sweep.toml: no seeds: expected seeds = 10, or a list of seeds");
   EXPECT_NE(refusal("seeds = [1, 1]\n").find("sweep.toml: line 1: seeds: expected"), std::string::npos);
   EXPECT_NE(refusal("seeds = 0\n").find("expected how many"), std::string::npos);
   EXPECT_NE(refusal("seeds = 1\n[grid]\nga.population = 10\n").find("line 3: ga.population: expected a list"),
