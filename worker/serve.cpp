@@ -9,7 +9,6 @@
 #include <unistd.h>
 #include <vector>
 
-#include "common/wire/configuration.hpp"
 #include "worker/lane.hpp"
 
 namespace coppice {
@@ -78,7 +77,7 @@ class Server {
 };
 
 Result<std::unique_ptr<Server>> Server::open(const ServeOptions& options) {
-  const auto configuration = wire::worker_configuration(options.coordinator, options.domain);
+  const auto configuration = wire::worker_configuration(options.coordinator, options.domain, options.network);
   if (!configuration) {
     return tl::unexpected(configuration.error());
   }

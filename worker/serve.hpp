@@ -8,12 +8,14 @@
 
 #include "common/error.hpp"
 #include "common/stop.hpp"
+#include "common/wire/configuration.hpp"
 
 namespace coppice {
 
 struct ServeOptions {
   std::string coordinator = "127.0.0.1";
   std::uint32_t domain = 0;
+  wire::Network network;
   std::uint32_t threads = 1;
   std::chrono::nanoseconds pace{0};  // see WorkerState
   std::uint32_t protocol = 0;        // what this program speaks; coordinators that speak another are refused

@@ -52,6 +52,17 @@ void add_evaluator_option(CLI::App& command, EvaluatorOption& option) {
   command.add_option("--interface", option.interface, "With --remote: network interface or address to listen on")
       ->type_name("NAME")
       ->needs(remote);
+  command
+      .add_option("--security", option.security,
+                  "With --remote: folder of this coordinator's identity under DDS Security "
+                  "(deploy/security/make-certificates.sh makes it); its workers need theirs")
+      ->type_name("DIR")
+      ->needs(remote);
+  command
+      .add_flag("--lossy", option.lossy,
+                "With --remote: for a network that loses packets or passes only small ones; its workers should have "
+                "it too")
+      ->needs(remote);
   command.add_option("--domain", option.domain, "DDS domain (default: a free one; with --remote 0, as its workers)")
       ->type_name("D")
       ->check(whole_number())
@@ -87,6 +98,8 @@ Result<EvaluatorChoice> evaluator_choice(const EvaluatorOption& option) {
   if (option.interface) {
     choice.interface = *option.interface;
   }
+  choice.security = option.security;
+  choice.lossy = option.lossy;
   if (option.domain) {
     if (*option.domain > kHighestDomain) {
       return bad_input(fmt::format("--domain is {}: expected 0 to {}", *option.domain, kHighestDomain));

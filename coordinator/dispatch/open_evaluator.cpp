@@ -5,9 +5,16 @@
 #include "coordinator/dispatch/serial_evaluator.hpp"
 
 namespace coppice {
+namespace {
+
+wire::Network network_of(const EvaluatorChoice& choice) {
+  return {.security = choice.security, .lossy = choice.lossy, .port = std::nullopt};
+}
+
+}  // namespace
 
 Result<void> check_choice(const EvaluatorChoice& choice) {
-  return choice.kind == EvaluatorChoice::Kind::remote ? RemoteEndpoints::check_interface(choice.interface)
+  return choice.kind == EvaluatorChoice::Kind::remote ? RemoteEndpoints::check(choice.interface, network_of(choice))
                                                       : Result<void>{};
 }
 
@@ -23,6 +30,7 @@ Result<std::unique_ptr<Evaluator>> open_evaluator(std::shared_ptr<const Chain> c
   if (choice.kind == EvaluatorChoice::Kind::remote) {
     options.domain = choice.domain.value_or(kDefaultRemoteDomain);
     options.interface = choice.interface;
+    options.network = network_of(choice);
   } else {
     options.local_workers = choice.workers;
     options.worker_program = choice.worker_program;

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "common/wire/configuration.hpp"
+#include "common/wire/credentials.hpp"
 
 namespace coppice {
 namespace {
@@ -20,11 +20,12 @@ struct Joined {
   wire::Participant participant;
 };
 
-Result<Joined> join(const std::optional<std::uint32_t>& domain, const std::string& interface) {
-  if (auto ok = RemoteEndpoints::check_interface(interface); !ok) {
+Result<Joined> join(const std::optional<std::uint32_t>& domain, const std::string& interface,
+                    const wire::Network& network) {
+  if (auto ok = RemoteEndpoints::check(interface, network); !ok) {
     return tl::unexpected(ok.error());
   }
-  const std::string configuration = wire::coordinator_configuration(interface);
+  const std::string configuration = wire::coordinator_configuration(interface, network);
   if (domain) {
     auto participant = wire::Participant::join(*domain, configuration);
     if (!participant) {
@@ -50,16 +51,16 @@ Result<Joined> join(const std::optional<std::uint32_t>& domain, const std::strin
 
 }  // namespace
 
-Result<void> RemoteEndpoints::check_interface(const std::string& interface) {
+Result<void> RemoteEndpoints::check(const std::string& interface, const wire::Network& network) {
   if (auto ok = wire::check_interface(interface); !ok) {
     return in_context("--interface", ok.error());
   }
-  return {};
+  return network.security.empty() ? Result<void>{} : wire::check_credentials(network.security);
 }
 
 Result<RemoteEndpoints> RemoteEndpoints::open(const std::optional<std::uint32_t>& domain,
-                                              const std::string& interface) {
-  auto joined = join(domain, interface);
+                                              const std::string& interface, const wire::Network& network) {
+  auto joined = join(domain, interface, network);
   if (!joined) {
     return tl::unexpected(joined.error());
   }

@@ -43,7 +43,7 @@ RemoteEvaluator::~RemoteEvaluator() {
 
 Result<std::unique_ptr<RemoteEvaluator>> RemoteEvaluator::open(std::shared_ptr<const Chain> chain,
                                                                RemoteOptions options, const StopFlag& stop) {
-  auto endpoints = RemoteEndpoints::open(options.domain, options.interface);
+  auto endpoints = RemoteEndpoints::open(options.domain, options.interface, options.network);
   if (!endpoints) {
     return tl::unexpected(endpoints.error());
   }

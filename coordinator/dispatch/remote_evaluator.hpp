@@ -28,6 +28,7 @@ namespace coppice {
 struct RemoteOptions {
   std::optional<std::uint32_t> domain;            // a free one if not given
   std::string interface = "lo";                   // by name or address
+  wire::Network network;
   std::size_t local_workers = 0;                  // to start on this machine; 0: wait for others
   std::filesystem::path worker_program;           // for them
   std::vector<LocalWorkers::Flags> worker_flags;  // more for the first of them
