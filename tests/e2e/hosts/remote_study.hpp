@@ -38,8 +38,8 @@ class RemoteStudy : public EvolvedStudy {
   }
 
   Command coordinator(std::vector<std::string> more) const {
-    std::vector<std::string> arguments = evolve(
-        "study.coppice", {"--remote", "--domain", domain_, "--lines-every", "1", "--json", "--wait", "60"});
+    std::vector<std::string> arguments =
+        evolve("study.coppice", {"--remote", "--domain", domain_, "--lines-every", "1", "--json", "--wait", wait_});
     if (hosts_) {
       arguments.insert(arguments.end(), {"--interface", "eth0"});
     }
@@ -60,6 +60,7 @@ class RemoteStudy : public EvolvedStudy {
 
   std::unique_ptr<Hosts> hosts_;
   std::string domain_ = "0";
+  std::string wait_ = "60";  // seconds
   std::vector<std::unique_ptr<Process>> workers_;
 };
 
