@@ -22,8 +22,9 @@ struct ServeOptions {
   std::string version;
 };
 
-// Serves until `stop` is raised, then gives back what it holds and returns. Errors: no DDS, the coordinator does not
-// resolve, a coordinator of another protocol version.
+// Serves one coordinator after another until `stop` is raised, then gives back what it holds and returns. While there
+// is none, or none can be reached, it waits, and keeps the chains that it holds. Errors: a coordinator of another
+// protocol version; a chain that comes damaged again and again.
 Result<void> serve(const ServeOptions& options, const StopFlag& stop);
 
 }  // namespace coppice

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/error.hpp"
 
@@ -37,6 +38,9 @@ std::string coordinator_configuration(const std::string& interface, const Networ
 // machine's routes reach that address. Errors: the host does not resolve, there is no route.
 Result<std::string> worker_configuration(const std::string& coordinator_host, std::uint32_t domain,
                                          const Network& network = {});
+
+// IPv4 addresses of this machine's interfaces, or of one, given by name or address.
+std::vector<std::string> addresses_of(const std::string& interface = {});
 
 // Errors: a name that is neither an interface of this machine nor an address of one, naming those that exist.
 Result<void> check_interface(const std::string& interface);

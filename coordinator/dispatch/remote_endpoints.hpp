@@ -22,6 +22,7 @@ struct RemoteEndpoints {
   wire::Reader<wire::Answer> answers;
   wire::Reader<wire::ChainRequest> requests;
   wire::Writer<wire::Control> control;
+  wire::Writer<wire::Fleet> fleet;
 
   // In `domain`, or in a free one of those for local runs. `interface` by name or address. Errors name the flag: no
   // such interface; the domain is taken (or all are).

@@ -61,6 +61,9 @@ class RemoteFleet {
 
  private:
   void refuse(const wire::Hello& hello);
+  void cast_out(const wire::Hello& hello, coppice_wire_Doing why);
+  // For those who look on (coppice workers), while there are any.
+  void show(Clock::time_point now);
   void meet(const wire::Hello& hello);
   void lose(WorkerId worker, const std::string& why, InFlight::Farewell farewell);
   void lose_process(pid_t pid);
@@ -72,7 +75,14 @@ class RemoteFleet {
   DispatchStatistics& statistics_;
   std::map<WorkerId, RemoteWorker> workers_;
   std::set<WorkerId> banned_;              // answered nonsense: not heard any more
-  std::set<WorkerId> refused_;             // spoke another protocol: told once
+  // Not served, but shown: spoke another protocol (told once), or answered wrongly.
+  struct Outcast {
+    wire::WorkerStatus status;
+    Clock::time_point heard;
+  };
+  std::map<WorkerId, Outcast> outcasts_;
+  std::set<WorkerId> refused_;  // told once
+  Clock::time_point next_show_;
   std::set<std::uint64_t> rejected_from_;  // sources of damaged samples: logged once each
   std::optional<LocalWorkers> local_;
   std::chrono::seconds hang_limit_;
