@@ -40,6 +40,22 @@ class EvolvedStudy : public CommandLine {
     return list;
   }
 
+  // Says which run and generation differ, instead of printing all of both.
+  void expect_same_runs(const std::string& study, const nlohmann::json& expected) const {
+    const nlohmann::json found = runs(study);
+    if (found == expected) {
+      return;
+    }
+    for (std::size_t run = 0; run < std::min(found.size(), expected.size()); ++run) {
+      for (std::size_t i = 0; i < std::min(found[run]["statistics"].size(), expected[run]["statistics"].size()); ++i) {
+        ASSERT_EQ(found[run]["statistics"][i], expected[run]["statistics"][i]) << "run " << run + 1;
+      }
+      ASSERT_EQ(found[run]["status"], expected[run]["status"]) << "run " << run + 1;
+      ASSERT_EQ(found[run]["tree"], expected[run]["tree"]) << "run " << run + 1;
+    }
+    FAIL() << "the runs differ in more than their generations and trees";
+  }
+
   // The same, after a serial evolution of a copy of study.coppice, which must not have been evolved yet.
   nlohmann::json serial_runs(std::vector<std::string> settings) const {
     write("serial.coppice", read("study.coppice"));

@@ -63,7 +63,7 @@ TEST_F(Security, LetsThoseWhoBelongEvolveTheSerialResultAndNobodyElseIn) {
   const auto report = report_of(*coordinator);
   EXPECT_EQ(report["dispatch"]["rejected"], 0);
   EXPECT_EQ(report["dispatch"]["workers_lost"], 0);
-  EXPECT_EQ(runs("study.coppice"), expected);
+  expect_same_runs("study.coppice", expected);
   worker.await_error("the coordinator is gone");
   for (std::size_t i = 2; i < 4; ++i) {  // those who do not belong never met it
     workers_[i]->signal(SIGTERM);

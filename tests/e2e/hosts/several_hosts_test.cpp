@@ -30,7 +30,7 @@ class SeveralHosts : public RemoteStudy {
     return report_of(*start_coordinator(more));
   }
 
-  void expect_serial_result() const { EXPECT_EQ(runs("study.coppice"), expected_); }
+  void expect_serial_result() const { expect_same_runs("study.coppice", expected_); }
 
   nlohmann::json expected_;
 };

@@ -58,7 +58,7 @@ TEST_F(StandingWorkers, ServeOneCoordinatorAfterAnotherAndKeepTheChain) {
   for (int i = 0; i < 3; ++i) {
     write("study.coppice", learned);
     report_of(*start_coordinator(kShort));
-    EXPECT_EQ(runs("study.coppice"), expected);
+    expect_same_runs("study.coppice", expected);
   }
   worker.signal(SIGTERM);
   EXPECT_EQ(worker.wait(), kDone);
@@ -104,7 +104,7 @@ TEST_F(StandingWorkers, AreNotHeldBackByAList) {
   Process watching(command({"workers", "--domain", domain_, "--watch"}));
   watching.await_output("1 waiting worker");
   report_of(*start_coordinator(kShort));
-  EXPECT_EQ(runs("study.coppice"), expected);
+  expect_same_runs("study.coppice", expected);
   watching.signal(SIGINT);
   EXPECT_EQ(watching.wait(), kDone);
 }
