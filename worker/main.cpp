@@ -98,7 +98,7 @@ int run(int argc, char** argv) {
   coppice::block_stop_signals();
   coppice::StopFlag stop;
   const coppice::StopOnSignals signals(stop);
-  coppice::wire::route_dds_log([](const char* line) { spdlog::debug("dds: {}", line); });
+  coppice::wire::route_dds_log([](const char* line) { spdlog::debug("dds: {}", coppice::wire::shown(line)); });
   const auto outcome = echoes ? coppice::echo(options, stop) : coppice::serve(options, stop);
   if (!outcome) {
     spdlog::error("{}", outcome.error().message);

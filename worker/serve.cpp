@@ -34,10 +34,11 @@ static_assert(ChainStore::kMaxChains <= coppice_wire_MAX_CHAINS_HELD);
 // Sleeps, but not past the stop flag.
 class Rest {
  public:
-  explicit Rest(const StopFlag& stop) : stop_(stop), wake_(stop.on_raise([this] {
-    const std::lock_guard lock(mutex_);
-    raised_.notify_all();
-  })) {}
+  explicit Rest(const StopFlag& stop)
+      : stop_(stop), wake_(stop.on_raise([this] {
+          const std::lock_guard lock(mutex_);
+          raised_.notify_all();
+        })) {}
 
   void for_a_while(std::chrono::milliseconds time) {
     std::unique_lock lock(mutex_);
@@ -139,9 +140,9 @@ Result<std::unique_ptr<Server>> Server::open(const ServeOptions& options, Worker
   if (error) {
     return tl::unexpected(*error);
   }
-  std::unique_ptr<Server> server(new Server(options, state, std::move(*participant), std::move(*waiter), std::move(*controls),
-                                            std::move(*tasks), std::move(*blocks), std::move(*hellos),
-                                            std::move(*answers), std::move(*requests)));
+  std::unique_ptr<Server> server(new Server(options, state, std::move(*participant), std::move(*waiter),
+                                            std::move(*controls), std::move(*tasks), std::move(*blocks),
+                                            std::move(*hellos), std::move(*answers), std::move(*requests)));
   if (auto ok = server->start_lanes(); !ok) {
     return tl::unexpected(ok.error());
   }
@@ -277,9 +278,10 @@ Result<void> Server::finish_chain() {
   assembly_.reset();
   if (!chain) {
     if (++failed_chains_ >= kMostFailedChains) {
-      return failed(fmt::format("chain {}: {} (in {} transfers)", hash.hex(), chain.error().message, failed_chains_));
+      return failed(fmt::format("chain {}: {} (in {} transfers)", hash.hex(),
+                                wire::shown(chain.error().message.c_str()), failed_chains_));
     }
-    spdlog::error("chain {}: {}", hash.hex(), chain.error().message);
+    spdlog::error("chain {}: {}", hash.hex(), wire::shown(chain.error().message.c_str()));
     state_.run_id = 0;  // the coordinator hears of it and announces its run again, which starts over
     say_hello();
     return {};

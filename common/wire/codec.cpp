@@ -177,6 +177,27 @@ Result<Tree> get_tree(ByteReader& reader, const Vocabulary& vocabulary) {
   return tree;
 }
 
+template <typename TreeAt>
+std::vector<std::uint8_t> encode(const Job& job, std::size_t trees, const TreeAt& tree_at) {
+  COPPICE_CHECK(trees <= kMaxTreesPerTask);
+  ByteWriter writer;
+  put_job(job, writer);
+  writer.put(static_cast<std::uint32_t>(trees));
+  std::size_t size = writer.bytes().size();
+  for (std::size_t i = 0; i < trees; ++i) {
+    size += encoded_size(tree_at(i));
+  }
+  writer.reserve(size);
+  for (std::size_t i = 0; i < trees; ++i) {
+    const Tree& tree = tree_at(i);
+    writer.put(static_cast<std::uint16_t>(tree.size()));
+    for (const Node& node : tree.nodes()) {
+      put_node(node, writer);
+    }
+  }
+  return writer.take();
+}
+
 }  // namespace
 
 std::size_t encoded_size(const Tree& tree) {
@@ -188,22 +209,12 @@ std::size_t encoded_size(const Tree& tree) {
 }
 
 std::vector<std::uint8_t> encode_task(const Job& job, std::span<const Tree> trees) {
-  COPPICE_CHECK(trees.size() <= kMaxTreesPerTask);
-  ByteWriter writer;
-  put_job(job, writer);
-  writer.put(static_cast<std::uint32_t>(trees.size()));
-  std::size_t size = writer.bytes().size();
-  for (const Tree& tree : trees) {
-    size += encoded_size(tree);
-  }
-  writer.reserve(size);
-  for (const Tree& tree : trees) {
-    writer.put(static_cast<std::uint16_t>(tree.size()));
-    for (const Node& node : tree.nodes()) {
-      put_node(node, writer);
-    }
-  }
-  return writer.take();
+  return encode(job, trees.size(), [&](std::size_t i) -> const Tree& { return trees[i]; });
+}
+
+std::vector<std::uint8_t> encode_task(const Job& job, std::span<const Tree> trees,
+                                      std::span<const std::uint32_t> places) {
+  return encode(job, places.size(), [&](std::size_t i) -> const Tree& { return trees[places[i]]; });
 }
 
 Result<DecodedTask> decode_task(std::span<const std::uint8_t> payload, const Vocabulary& vocabulary) {

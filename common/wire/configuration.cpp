@@ -148,10 +148,11 @@ Result<std::string> worker_configuration(const std::string& coordinator_host, st
   }
   // A port of one's own choosing: the one that participant 0 of a domain without gains has.
   const std::string own_port =
-      network.port ? fmt::format("<Ports><Base>{}</Base><DomainGain>0</DomainGain><ParticipantGain>0</ParticipantGain>"
-                                 "<UnicastMetaOffset>0</UnicastMetaOffset><UnicastDataOffset>0</UnicastDataOffset>"
-                                 "</Ports><ParticipantIndex>0</ParticipantIndex>",
-                                 *network.port)
+      network.port ? fmt::format(
+                         "<Ports><Base>{}</Base><DomainGain>0</DomainGain><ParticipantGain>0</ParticipantGain>"
+                         "<UnicastMetaOffset>0</UnicastMetaOffset><UnicastDataOffset>0</UnicastDataOffset>"
+                         "</Ports><ParticipantIndex>0</ParticipantIndex>",
+                         *network.port)
                    : "<ParticipantIndex>none</ParticipantIndex>";
   return fmt::format(
       "<CycloneDDS><Domain Id=\"any\">{}<Discovery>{}{}<Peers><Peer Address=\"{}:{}\"/></Peers></Discovery>"

@@ -20,7 +20,8 @@ inline constexpr std::uint32_t kMaxDomain = 230;  // the largest whose ports fit
 // 0, discovery). We differ: RTPS puts data on the next port; ours comes to the same, so that one is to be opened.
 inline constexpr std::uint32_t coordinator_port(std::uint32_t domain) { return 7410 + 250 * domain; }
 
-// What a network asks for beyond where the coordinator is. All who meet must agree on `security`, and should on `lossy`.
+// What a network asks for beyond where the coordinator is. All who meet must agree on `security`, and should on
+// `lossy`.
 struct Network {
   std::filesystem::path security;  // folder of an identity (credentials.hpp); empty: nothing is signed or encrypted
   // Packets that pass through any network in one piece (kSmallPacket), and repair within milliseconds. Costs a

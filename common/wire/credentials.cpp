@@ -45,8 +45,8 @@ Result<Key> read_key(const std::filesystem::path& path) {
   const auto no_phrase = [](char*, int, int, void*) { return -1; };
   Key key(PEM_read_PrivateKey(file->get(), nullptr, no_phrase, nullptr), &EVP_PKEY_free);
   if (key == nullptr) {
-    return bad_input(fmt::format("--security: {} holds no private key: expected one in PEM, without a pass phrase",
-                                 path.string()));
+    return bad_input(
+        fmt::format("--security: {} holds no private key: expected one in PEM, without a pass phrase", path.string()));
   }
   return key;
 }
@@ -72,8 +72,8 @@ Result<void> check_credentials(const std::filesystem::path& folder) {
     return tl::unexpected(key.error());
   }
   if (X509_check_private_key(certificate->get(), key->get()) != 1) {
-    return bad_input(fmt::format("--security: {} is not the key of {} beside it", (folder / kPrivateKey).string(),
-                                 kCertificate));
+    return bad_input(
+        fmt::format("--security: {} is not the key of {} beside it", (folder / kPrivateKey).string(), kCertificate));
   }
   if (X509_verify(certificate->get(), X509_get0_pubkey(authority->get())) != 1) {
     return bad_input(fmt::format("--security: {} was not signed by {} beside it", (folder / kCertificate).string(),
@@ -84,9 +84,10 @@ Result<void> check_credentials(const std::filesystem::path& folder) {
                                  (folder / kCertificate).string()));
   }
   if (X509_cmp_current_time(X509_get0_notAfter(certificate->get())) < 0) {
-    return bad_input(fmt::format("--security: {} is not valid any more: make another with "
-                                 "deploy/security/make-certificates.sh",
-                                 (folder / kCertificate).string()));
+    return bad_input(
+        fmt::format("--security: {} is not valid any more: make another with "
+                    "deploy/security/make-certificates.sh",
+                    (folder / kCertificate).string()));
   }
   return {};
 }

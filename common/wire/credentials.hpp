@@ -1,6 +1,6 @@
-// The identity of a program under DDS Security: a folder of six files, made by deploy/security/make-certificates.sh. The
-// plugins of DDS read it themselves; what they would pass over in silence (a key that is another certificate's never
-// meets anybody, and says nothing) is looked for here first.
+// The identity of a program under DDS Security: a folder of six files, made by deploy/security/make-certificates.sh.
+// The plugins of DDS read it themselves; what they would pass over in silence (a key that is another certificate's
+// never meets anybody, and says nothing) is looked for here first.
 #pragma once
 
 #include <filesystem>

@@ -23,7 +23,7 @@ struct ScalingSettings {
   std::uint32_t repetitions = 7;
   std::filesystem::path worker_program;
   std::filesystem::path security = {};  // holds identities under DDS Security, coordinator/ and worker/; empty: none
-  unsigned cores = 1;  // workers beyond them are not expected to gain
+  unsigned cores = 1;                   // workers beyond them are not expected to gain
 };
 
 // Of one workload; seconds are those of one generation.

@@ -21,6 +21,7 @@ struct EvaluatorOption {
   std::optional<std::string> interface;
   std::string security;
   bool lossy = false;
+  std::optional<double> cross_check;
   std::optional<std::uint32_t> domain;
   std::optional<std::uint32_t> wait_seconds;
   std::string worker_program;

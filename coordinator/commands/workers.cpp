@@ -71,7 +71,8 @@ std::string text_of(const WorkerList& list, std::uint32_t domain) {
   for (const ListedWorker& worker : list.workers) {
     width = std::max(width, printable(worker.host).size());
   }
-  text += fmt::format("  {:<{}}      pid  cores  threads  protocol   evaluated  each second  seen ago  doing\n", "host", width);
+  text += fmt::format("  {:<{}}      pid  cores  threads  protocol   evaluated  each second  seen ago  doing\n", "host",
+                      width);
   for (const ListedWorker& worker : list.workers) {
     fmt::format_to(std::back_inserter(text), "  {:<{}} {:>8}  {:>5}  {:>7}  {:>8}  {:>10}  {:>11}  {:>6.1f} s  {}\n",
                    printable(worker.host), width, worker.pid, worker.cores, worker.threads, worker.protocol,
@@ -96,7 +97,7 @@ Result<void> workers_command(const Options& options, const StopFlag& stop) {
     if (!list && (!options.watch || list.error().kind == ErrorKind::bad_input)) {
       return tl::unexpected(list.error());
     }
-    const std::string text = !list ? printable(list.error().message) + "\n"
+    const std::string text = !list          ? printable(list.error().message) + "\n"
                              : options.json ? json_line(json_of(*list)) + "\n"
                                             : text_of(*list, options.list.domain);
     print_now((redraw ? "\x1b[H\x1b[J" : "") + text);

@@ -13,6 +13,7 @@
 #include "common/error.hpp"
 #include "common/stop.hpp"
 #include "coordinator/dispatch/evaluator.hpp"
+#include "coordinator/dispatch/evaluator_pool.hpp"
 
 namespace coppice {
 
@@ -29,6 +30,7 @@ struct EvaluatorChoice {
   std::string interface = "lo";          // remote: the network interface to listen on, by name or address
   std::filesystem::path security;        // remote: folder of an identity under DDS Security; empty: none
   bool lossy = false;                    // remote: small packets, quick repair
+  double cross_check = 0.0;              // share of all individuals that is evaluated here again
   std::chrono::seconds wait_limit{600};  // without any worker for this long, evaluation fails
 };
 
@@ -38,5 +40,9 @@ Result<void> check_choice(const EvaluatorChoice& choice);
 // `stop` outlives the evaluator. Errors name the flag: no such interface, a domain that is taken, no worker program.
 Result<std::unique_ptr<Evaluator>> open_evaluator(std::shared_ptr<const Chain> chain, const EvaluatorChoice& choice,
                                                   const StopFlag& stop);
+
+// The same for several runs at a time. REQUIRES: not serial.
+Result<std::unique_ptr<EvaluatorPool>> open_pool(std::shared_ptr<const Chain> chain, const EvaluatorChoice& choice,
+                                                 const StopFlag& stop);
 
 }  // namespace coppice

@@ -44,9 +44,10 @@ Result<void> await_free(std::uint32_t domain) {
     holder = udp_port_holder(port);
   }
   if (holder) {
-    return failed(fmt::format("domain {} is taken on this machine: its UDP port {} is held by {}. Choose another domain, "
-                              "for this and its workers: --domain {}",
-                              domain, port, in_words(*holder), next_free(domain)));
+    return failed(
+        fmt::format("domain {} is taken on this machine: its UDP port {} is held by {}. Choose another domain, "
+                    "for this and its workers: --domain {}",
+                    domain, port, in_words(*holder), next_free(domain)));
   }
   return {};
 }
@@ -95,8 +96,8 @@ Result<void> RemoteEndpoints::check(const std::string& interface, const wire::Ne
   return network.security.empty() ? Result<void>{} : wire::check_credentials(network.security);
 }
 
-Result<RemoteEndpoints> RemoteEndpoints::open(const std::optional<std::uint32_t>& domain,
-                                              const std::string& interface, const wire::Network& network) {
+Result<RemoteEndpoints> RemoteEndpoints::open(const std::optional<std::uint32_t>& domain, const std::string& interface,
+                                              const wire::Network& network) {
   auto joined = join(domain, interface, network);
   if (!joined) {
     return tl::unexpected(joined.error());
@@ -109,8 +110,7 @@ Result<RemoteEndpoints> RemoteEndpoints::open(const std::optional<std::uint32_t>
   auto control = wire::Writer<wire::Control>::make(participant);
   auto fleet = wire::Writer<wire::Fleet>::make(participant);
   Result<void> ok = keep_error(fleet, Result<void>{});
-  ok = keep_error(
-      control, keep_error(requests, keep_error(answers, keep_error(hellos, keep_error(waiter, ok)))));
+  ok = keep_error(control, keep_error(requests, keep_error(answers, keep_error(hellos, keep_error(waiter, ok)))));
   if (ok) {
     for (const dds_entity_t reader : {hellos->get(), answers->get(), requests->get()}) {
       ok = keep_error(waiter->watch_reader(reader), ok);
@@ -119,8 +119,8 @@ Result<RemoteEndpoints> RemoteEndpoints::open(const std::optional<std::uint32_t>
   if (!ok) {
     return tl::unexpected(ok.error());
   }
-  return RemoteEndpoints{joined->domain,      std::move(joined->participant), std::move(*waiter), std::move(*hellos),
-                         std::move(*answers), std::move(*requests),           std::move(*control),        std::move(*fleet)};
+  return RemoteEndpoints{joined->domain,      std::move(joined->participant), std::move(*waiter),  std::move(*hellos),
+                         std::move(*answers), std::move(*requests),           std::move(*control), std::move(*fleet)};
 }
 
 }  // namespace coppice

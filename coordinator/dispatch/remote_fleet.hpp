@@ -41,6 +41,7 @@ class RemoteFleet {
   void reject(const std::string& what, std::uint64_t source);
   // A worker that answers nonsense would do so again: its Hellos are not heard any more.
   void ban(WorkerId id, const std::string& why);
+  bool is_banned(WorkerId id) const { return banned_.count(id) != 0; }
 
   // Null: not known, or no more.
   RemoteWorker* find(WorkerId id);
@@ -57,7 +58,7 @@ class RemoteFleet {
   // Whether, since the last call, somebody was heard who does not know of the run.
   bool take_stranger() { return std::exchange(stranger_, false); }
   // Slots that were given up since the last call: too many workers were lost with them.
-  std::vector<std::uint32_t> take_poisonous() { return std::exchange(poisonous_, {}); }
+  std::vector<Slot> take_poisonous() { return std::exchange(poisonous_, {}); }
 
  private:
   void refuse(const wire::Hello& hello);
@@ -74,7 +75,7 @@ class RemoteFleet {
   InFlight& flight_;
   DispatchStatistics& statistics_;
   std::map<WorkerId, RemoteWorker> workers_;
-  std::set<WorkerId> banned_;              // answered nonsense: not heard any more
+  std::set<WorkerId> banned_;  // answered nonsense: not heard any more
   // Not served, but shown: spoke another protocol (told once), or answered wrongly.
   struct Outcast {
     wire::WorkerStatus status;
@@ -86,7 +87,7 @@ class RemoteFleet {
   std::set<std::uint64_t> rejected_from_;  // sources of damaged samples: logged once each
   std::optional<LocalWorkers> local_;
   std::chrono::seconds hang_limit_;
-  std::vector<std::uint32_t> poisonous_;
+  std::vector<Slot> poisonous_;
   std::optional<Clock::time_point> without_worker_since_;
   Clock::time_point next_notice_;
   bool stranger_ = false;

@@ -55,9 +55,9 @@ void RemoteWorker::hear(const wire::Hello& hello, const RunIdentity& run, InFlig
   if (const auto window = now - lately_.since; window >= kPaceWindow) {
     const auto seconds = std::chrono::duration<double>(window).count();
     const bool counts = lately_.since != InFlight::Time{} && hello.evaluated >= lately_.evaluated;
-    lately_ = {now, hello.evaluated,
-               counts ? static_cast<std::uint64_t>(static_cast<double>(hello.evaluated - lately_.evaluated) / seconds)
-                      : 0};
+    lately_ = {
+        now, hello.evaluated,
+        counts ? static_cast<std::uint64_t>(static_cast<double>(hello.evaluated - lately_.evaluated) / seconds) : 0};
   }
   const std::span<const coppice_wire_ChainId> held(hello.chains._buffer, hello.chains._length);
   holds_chain_ = hello.run_id == run.run_id &&
@@ -70,7 +70,8 @@ wire::WorkerStatus RemoteWorker::status(std::size_t batches, InFlight::Time now)
   status.doing = !holds_chain_ ? coppice_wire_FETCHING : batches > 0 ? coppice_wire_EVALUATING : coppice_wire_READY;
   status.batches = static_cast<std::uint32_t>(batches);
   status.each_second = lately_.each_second;
-  status.seen_ms = static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(now - heard_).count());
+  status.seen_ms =
+      static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(now - heard_).count());
   return status;
 }
 

@@ -131,22 +131,22 @@ Result<std::optional<WorkerList>> ask_coordinator(const std::string& host, const
     return tl::unexpected(participant.error());
   }
   WorkerList list;
-  const auto answered = listen<wire::Fleet>(
-      *participant, Clock::now() + options.patience, stop, [&](const wire::Fleet& fleet, const dds_sample_info_t& info) {
-        if (!info.valid_data) {
-          return false;
-        }
-        list.coordinator = {.host = wire::shown(fleet.host),
-                            .pid = fleet.pid,
-                            .version = wire::shown(fleet.version),
-                            .chain = wire::from_wire(fleet.chain).hex()};
-        list.workers.clear();
-        for (std::uint32_t i = 0; i < fleet.workers._length; ++i) {
-          const wire::WorkerStatus& status = fleet.workers._buffer[i];
-          list.workers.push_back(listed(status, doing_of(status)));
-        }
-        return true;
-      });
+  const auto answered = listen<wire::Fleet>(*participant, Clock::now() + options.patience, stop,
+                                            [&](const wire::Fleet& fleet, const dds_sample_info_t& info) {
+                                              if (!info.valid_data) {
+                                                return false;
+                                              }
+                                              list.coordinator = {.host = wire::shown(fleet.host),
+                                                                  .pid = fleet.pid,
+                                                                  .version = wire::shown(fleet.version),
+                                                                  .chain = wire::from_wire(fleet.chain).hex()};
+                                              list.workers.clear();
+                                              for (std::uint32_t i = 0; i < fleet.workers._length; ++i) {
+                                                const wire::WorkerStatus& status = fleet.workers._buffer[i];
+                                                list.workers.push_back(listed(status, doing_of(status)));
+                                              }
+                                              return true;
+                                            });
   if (!answered) {
     return tl::unexpected(answered.error());
   }
@@ -182,7 +182,8 @@ Result<WorkerList> list_workers(const WorkerListOptions& options, const StopFlag
       return std::move(**list);
     }
   }
-  const auto holder = options.coordinator.empty() ? udp_port_holder(wire::coordinator_port(options.domain)) : std::nullopt;
+  const auto holder =
+      options.coordinator.empty() ? udp_port_holder(wire::coordinator_port(options.domain)) : std::nullopt;
   return failed(fmt::format(
       "no coordinator answers in domain {} at {} (UDP port {}{}). One that is not evaluating just now does not answer; "
       "one under DDS Security answers only to --security",

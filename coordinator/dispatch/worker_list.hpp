@@ -1,5 +1,5 @@
-// Who is on a domain, for those who only look: asked of its coordinator, or, where there is none, heard from the workers
-// that wait for one. Texts in it come from the network and are fit for a terminal.
+// Who is on a domain, for those who only look: asked of its coordinator, or, where there is none, heard from the
+// workers that wait for one. Texts in it come from the network and are fit for a terminal.
 #pragma once
 
 #include <chrono>
@@ -21,9 +21,9 @@ struct ListedWorker {
   std::uint32_t threads = 0;
   std::uint32_t protocol = 0;
   std::string version;
-  std::string doing;              // in a few words
-  std::uint64_t evaluated = 0;    // individuals since its start
-  std::uint64_t each_second = 0;  // of them, lately
+  std::string doing;                  // in a few words
+  std::uint64_t evaluated = 0;        // individuals since its start
+  std::uint64_t each_second = 0;      // of them, lately
   std::chrono::milliseconds seen{0};  // since its last sign of life
 };
 
@@ -40,9 +40,9 @@ struct WorkerList {
 
 struct WorkerListOptions {
   std::uint32_t domain = 0;
-  std::string coordinator;          // host; empty: this machine
-  std::string interface;            // of this machine, by name or address; empty: any
-  std::filesystem::path security;   // folder of a coordinator's identity; empty: none
+  std::string coordinator;           // host; empty: this machine
+  std::string interface;             // of this machine, by name or address; empty: any
+  std::filesystem::path security;    // folder of a coordinator's identity; empty: none
   std::chrono::seconds patience{3};  // for a coordinator to answer
 };
 

@@ -4,7 +4,8 @@
 //   stranger DOMAIN knock   says that it is a worker and answers batches that it was never given, for 3 s; prints how
 //                           many samples it heard
 //   stranger DOMAIN rule    tries to write what only a coordinator may write; prints what it was allowed
-// It goes to the coordinator on this machine, or on COPPICE_STRANGER_HOST. A third argument is the folder of an identity under DDS Security.
+// It goes to the coordinator on this machine, or on COPPICE_STRANGER_HOST. A third argument is the folder of an
+// identity under DDS Security.
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -89,8 +90,8 @@ void write_hello(wire::Writer<wire::Hello>& hellos, const wire::Control& control
 
 wire::Participant join(std::uint32_t domain, const wire::Network& network) {
   const char* host = std::getenv("COPPICE_STRANGER_HOST");
-  return required(
-      wire::Participant::join(domain, required(wire::worker_configuration(host == nullptr ? "127.0.0.1" : host, domain, network))));
+  return required(wire::Participant::join(
+      domain, required(wire::worker_configuration(host == nullptr ? "127.0.0.1" : host, domain, network))));
 }
 
 int make_noise(std::uint32_t domain, const wire::Network& network) {

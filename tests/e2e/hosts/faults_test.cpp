@@ -1,10 +1,15 @@
 // What happens to processes, disks and clocks: each evolution ends with the serial result, bit for bit.
 #include <algorithm>
+#include <arpa/inet.h>
+#include <atomic>
 #include <fstream>
 #include <iostream>
+#include <netinet/in.h>
 #include <random>
 #include <signal.h>
 #include <sys/mount.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "tests/e2e/hosts/remote_study.hpp"
 
@@ -178,6 +183,76 @@ TEST_F(Faults, AFullDisk) {
   const Completed resumed = coppice(evolve("small/study.coppice", {"--resume", "--workers", "1"}));
   EXPECT_EQ(resumed.ending, kDone) << full.error << resumed.error;
   expect_same_runs("small/study.coppice", expected);
+}
+
+TEST_F(Faults, AWorkerThatLiesFromTheStart) {
+  const auto expected = serial_runs(kSettings);
+  Process liar({.program = COPPICE_LIAR, .arguments = {domain_, "0"}});
+  start_worker(0, kPace);
+  const auto coordinator = start_coordinator(kSettings);
+  const std::string named = coordinator->await_error("answered wrongly and is quarantined");
+  EXPECT_NE(named.find("pid " + std::to_string(liar.pid())), std::string::npos) << named;
+  EXPECT_EQ(report_of(*coordinator)["dispatch"]["quarantined"], 1);
+  expect_same_runs("study.coppice", expected);
+}
+
+TEST_F(Faults, AWorkerThatBeginsToLieWhereEverythingIsChecked) {
+  const auto expected = serial_runs(kSettings);
+  Process liar({.program = COPPICE_LIAR, .arguments = {domain_, "20"}});
+  start_worker(0, kPace);
+  auto checked = kSettings;
+  checked.insert(checked.end(), {"--cross-check", "1"});
+  const auto coordinator = start_coordinator(checked);
+  coordinator->await_error("answered wrongly and is quarantined");
+  const auto report = report_of(*coordinator);
+  EXPECT_EQ(report["dispatch"]["quarantined"], 1);
+  EXPECT_GT(report["dispatch"]["cross_checked"], 20);
+  expect_same_runs("study.coppice", expected);
+}
+
+TEST_F(Faults, ALiarIsSaidToHaveSpoiledWhatWasNotChecked) {
+  Process liar({.program = COPPICE_LIAR, .arguments = {domain_, "20"}});
+  const auto coordinator = start_coordinator({"--seed", "4", "--set", "ga.generations=400", "--cross-check", "0.01"});
+  const std::string said = coordinator->await_error("answered wrongly and is quarantined");
+  EXPECT_NE(said.find("begin it again without that worker"), std::string::npos) << said;
+}
+
+// Half of them begin like RTPS, so that they get further.
+void throw_datagrams(std::uint16_t port, const std::atomic<bool>& enough) {
+  std::mt19937 random(port);
+  const int out = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(port);
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  while (!enough) {
+    std::string datagram(random() % 1400, '\0');
+    std::generate(datagram.begin(), datagram.end(), [&] { return static_cast<char>(random()); });
+    if (random() % 2 == 0) {
+      datagram.replace(0, std::min<std::size_t>(datagram.size(), 6), std::string("RTPS\2\1", 6));
+    }
+    sendto(out, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+    std::this_thread::sleep_for(50us);  // so that those who belong get a word in
+  }
+  close(out);
+}
+
+TEST_F(Faults, DatagramsOfNonsenseAtEveryPort) {
+  constexpr std::uint16_t kWorkerPort = 17'500;
+  const auto expected = serial_runs(kSettings);
+  Process& worker = start_worker(0, {"--port", std::to_string(kWorkerPort), "--pace", "2ms"});
+  start_worker(0, kPace);
+  std::atomic<bool> enough{false};
+  std::thread at_coordinator(throw_datagrams, static_cast<std::uint16_t>(7410 + 250 * 204), std::cref(enough));
+  std::thread at_worker(throw_datagrams, kWorkerPort, std::cref(enough));
+  {
+    const auto coordinator = start_coordinator(kSettings);
+    expect_serial_result(*coordinator, expected);
+  }
+  enough = true;
+  at_coordinator.join();
+  at_worker.join();
+  EXPECT_TRUE(worker.running());
 }
 
 TEST_F(Faults, ClocksThatJump) {

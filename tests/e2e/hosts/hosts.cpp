@@ -25,9 +25,7 @@ std::vector<std::string> words(const std::string& line) {
   return result;
 }
 
-Completed try_ip(const std::string& arguments) {
-  return run_to_end({.program = kIp, .arguments = words(arguments)});
-}
+Completed try_ip(const std::string& arguments) { return run_to_end({.program = kIp, .arguments = words(arguments)}); }
 
 void run(const Command& command, const std::string& input = {}) {
   const Completed completed = run_to_end(command, input);
@@ -141,10 +139,10 @@ void Hosts::delay(std::size_t host, int milliseconds) {
     run({.program = kIp,
          .arguments = words(fmt::format("netns exec {} {} -K eth0 tx off tso off gso off", name(other), kEthtool))});
   }
-  delays_.push_back(std::make_unique<Process>(
-      Command{.program = kIp,
-              .arguments = {"netns", "exec", sw, COPPICE_SLOW_LINK, fmt::format("p{}", host), fmt::format("q{}", host),
-                            std::to_string(milliseconds)}}));
+  delays_.push_back(
+      std::make_unique<Process>(Command{.program = kIp,
+                                        .arguments = {"netns", "exec", sw, COPPICE_SLOW_LINK, fmt::format("p{}", host),
+                                                      fmt::format("q{}", host), std::to_string(milliseconds)}}));
   delays_.back()->await_output("relaying");
 }
 

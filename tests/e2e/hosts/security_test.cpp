@@ -17,8 +17,8 @@ class Security : public RemoteStudy {
   }
 
   void make_certificates(const std::string& name) const {
-    const Completed made = run_to_end({.program = COPPICE_SOURCE_DIR "/deploy/security/make-certificates.sh",
-                                       .arguments = {path(name)}});
+    const Completed made =
+        run_to_end({.program = COPPICE_SOURCE_DIR "/deploy/security/make-certificates.sh", .arguments = {path(name)}});
     ASSERT_EQ(made.ending, kDone) << made.error;
   }
 

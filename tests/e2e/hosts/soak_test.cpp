@@ -72,9 +72,17 @@ class Soak : public RemoteStudy {
 
   // The last fault of a kind ends when the next thing happens, so that nothing is away for good.
   void do_something(std::unique_ptr<Process>& coordinator) {
-    static const std::vector<std::string> kFaults = {"worker killed", "worker stopped", "worker left", "worker added",
-                                                     "all workers killed", "coordinator killed", "coordinator asked to stop",
-                                                     "link down",     "packets lost",   "stranger", "disk full"};
+    static const std::vector<std::string> kFaults = {"worker killed",
+                                                     "worker stopped",
+                                                     "worker left",
+                                                     "worker added",
+                                                     "all workers killed",
+                                                     "coordinator killed",
+                                                     "coordinator asked to stop",
+                                                     "link down",
+                                                     "packets lost",
+                                                     "stranger",
+                                                     "disk full"};
     const std::string fault = kFaults[below(kFaults.size())];
     if ((!hosts_ && (fault == "link down" || fault == "packets lost")) || (!mounted_ && fault == "disk full")) {
       return;
@@ -158,9 +166,8 @@ class Soak : public RemoteStudy {
 
   // One evolution. Returns how many faults it saw.
   void evolve_under_fire() {
-    const std::vector<std::string> settings = {"--seed",   std::to_string(1 + below(1000)), "--set",
-                                               "ga.generations=250", "--set",
-                                               "ga.population=60"};
+    const std::vector<std::string> settings = {
+        "--seed", std::to_string(1 + below(1000)), "--set", "ga.generations=250", "--set", "ga.population=60"};
     write("study.coppice", learned_);
     std::filesystem::remove(path("serial.coppice"));
     const auto expected = serial_runs(settings);
@@ -175,7 +182,8 @@ class Soak : public RemoteStudy {
       }
     }
     const Ending ending = coordinator->wait();
-    ASSERT_EQ(status(), "finished") << "ended with " << ending.exit_code.value_or(-1) << ": " << coordinator->rest_of_error();
+    ASSERT_EQ(status(), "finished") << "ended with " << ending.exit_code.value_or(-1) << ": "
+                                    << coordinator->rest_of_error();
     expect_same_runs("disk/study.coppice", expected);
     strangers_.clear();
   }
@@ -190,8 +198,8 @@ class Soak : public RemoteStudy {
 TEST_F(Soak, EveryEvolutionEndsWithTheSerialResultWhateverHappens) {
   const std::uint32_t seed = seed_asked();
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(minutes_asked() * 60);
-  std::cout << "soak of " << minutes_asked() << " minutes, seed " << seed << (hosts_ ? ", on several hosts" : ", on one host")
-            << std::endl;
+  std::cout << "soak of " << minutes_asked() << " minutes, seed " << seed
+            << (hosts_ ? ", on several hosts" : ", on one host") << std::endl;
   random_.seed(seed);
   int evolutions = 0;
   while (std::chrono::steady_clock::now() < end && !HasFatalFailure() && !HasNonfatalFailure()) {

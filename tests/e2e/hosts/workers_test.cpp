@@ -89,9 +89,8 @@ TEST_F(StandingWorkers, AreAskedForByACoordinatorThatSaysWhoHoldsItsDomain) {
   ASSERT_EQ(second.ending, kDone);
   const Completed refused = coppice(evolve("second.coppice", {"--remote", "--domain", domain_}));
   EXPECT_EQ(refused.ending, kFailed);
-  for (const std::string& part :
-       {"domain " + domain_ + " is taken", "pid " + std::to_string(holder->pid()), std::string("coppice evolve"),
-        std::string("--domain 203")}) {
+  for (const std::string& part : {"domain " + domain_ + " is taken", "pid " + std::to_string(holder->pid()),
+                                  std::string("coppice evolve"), std::string("--domain 203")}) {
     EXPECT_NE(refused.error.find(part), std::string::npos) << refused.error;
   }
   holder->signal(SIGINT);
