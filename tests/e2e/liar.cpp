@@ -1,6 +1,7 @@
 // A worker that lies, for the tests: coppice-worker, but that some of its answers are changed on their way out (the
 // linker puts __wrap_ in the encoder's place).
 //   liar DOMAIN HONEST     its first HONEST answers are true, then none is
+// It goes to the coordinator on this machine, or on COPPICE_STRANGER_HOST.
 #include <atomic>
 #include <cstdlib>
 #include <string>
@@ -48,6 +49,9 @@ int main(int argc, char** argv) {
   options.domain = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10));
   options.protocol = coppice::wire::kProtocolVersion;
   options.version = coppice::kVersion;
+  if (const char* host = std::getenv("COPPICE_STRANGER_HOST"); host != nullptr) {
+    options.coordinator = host;
+  }
   honest = std::strtol(argv[2], nullptr, 10);
   return coppice::serve(options, stop) ? 0 : 1;
 }

@@ -72,17 +72,10 @@ class Soak : public RemoteStudy {
 
   // The last fault of a kind ends when the next thing happens, so that nothing is away for good.
   void do_something(std::unique_ptr<Process>& coordinator) {
-    static const std::vector<std::string> kFaults = {"worker killed",
-                                                     "worker stopped",
-                                                     "worker left",
-                                                     "worker added",
-                                                     "all workers killed",
-                                                     "coordinator killed",
-                                                     "coordinator asked to stop",
-                                                     "link down",
-                                                     "packets lost",
-                                                     "stranger",
-                                                     "disk full"};
+    static const std::vector<std::string> kFaults = {
+        "worker killed",      "worker stopped",     "worker left", "worker added",
+        "all workers killed", "coordinator killed", "link down",   "packets lost",
+        "stranger",           "disk full",          "liar",        "coordinator asked to stop"};
     const std::string fault = kFaults[below(kFaults.size())];
     if ((!hosts_ && (fault == "link down" || fault == "packets lost")) || (!mounted_ && fault == "disk full")) {
       return;
@@ -119,6 +112,10 @@ class Soak : public RemoteStudy {
       Command stranger{.program = COPPICE_STRANGER, .arguments = {domain_, "knock"}};
       stranger.environment = {{"COPPICE_STRANGER_HOST", hosts_ ? Hosts::address(1) : "127.0.0.1"}};
       strangers_.push_back(std::make_unique<Process>(there(some_host(), stranger)));
+    } else if (fault == "liar") {
+      Command liar{.program = COPPICE_LIAR, .arguments = {domain_, "0"}};
+      liar.environment = {{"COPPICE_STRANGER_HOST", hosts_ ? Hosts::address(1) : "127.0.0.1"}};
+      strangers_.push_back(std::make_unique<Process>(there(some_host(), liar)));
     } else if (fault == "disk full") {
       fill_disk();
       pass_up_to(500ms);
