@@ -101,6 +101,7 @@ int run(int argc, char** argv) {
   coppice::add_synth(app, invocation);
   coppice::add_info(app, invocation);
   coppice::add_reproduce(app, invocation);
+  coppice::add_workers(app, invocation);
   coppice::add_sweep(app, invocation);
   coppice::add_bench(app, invocation);
   try {
