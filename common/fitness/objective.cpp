@@ -10,8 +10,8 @@
 namespace coppice {
 namespace {
 
-constexpr std::array<std::string_view, kObjectiveKinds> kNames = {"agreement", "q_value", "shaped", "coverage",   "visits",
-                                                                  "return",    "regret",  "seen",   "collisions", "unknown"};
+constexpr std::array<std::string_view, kObjectiveKinds> kNames = {
+    "agreement", "q_value", "shaped", "coverage", "visits", "return", "regret", "seen", "collisions", "unknown"};
 
 bool holds(const Node& condition, std::span<const std::uint8_t> features) {
   const std::uint8_t value = features[condition.index];

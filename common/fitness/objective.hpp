@@ -37,7 +37,7 @@ inline constexpr double kMaxScoredValue = 2048.0;
 //   regret(s, a) = max over b of Q(s, b) - Q(s, a)                    [states x actions], unit of a Q-value
 // (the loss that Ross and Bagnell 2014, "Reinforcement and imitation learning via interactive no-regret learning",
 // imitate by: a wrong action that costs nothing is no error). No action counts as the worst one.
-inline constexpr double kRegretOne = 1099511627776.0;  // 2^40
+inline constexpr double kRegretOne = 1099511627776.0;        // 2^40
 inline constexpr double kMaxThreshold = 9007199254740992.0;  // 2^53
 inline constexpr std::size_t kMaxShapedRules = 32;
 inline constexpr std::size_t kMaxShapedConditions = 32;
@@ -81,8 +81,8 @@ Result<std::vector<ShapedRule>> thesis_rules(const Vocabulary& vocabulary);
 struct ScoreTable {
   std::vector<std::int64_t> scores;  // [states x (actions + 1)]
   double unit = 1.0;                 // value = sum of scores / unit
-  std::int64_t best_per_step = 1;    // along the walk: the largest score; over states: the sum of the largest. Of a cost
-                                     // the worst
+  std::int64_t best_per_step = 1;  // along the walk: the largest score; over states: the sum of the largest. Of a cost
+                                   // the worst
 };
 
 // Errors: shaped without rules or with too many, or with a condition outside the vocabulary; a value beyond

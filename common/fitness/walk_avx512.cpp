@@ -40,8 +40,8 @@ COPPICE_AVX512 void walk_vectors(const Walk& walk, const Constants& constants, s
   for (std::uint32_t v = 0; v < Vectors; ++v) {
     base[v] = _mm512_cvtepu32_epi64(
         _mm256_loadu_si256(reinterpret_cast<const __m256i*>(walk.first_row + first + std::size_t{v} * kWidth)));
-    const __m512i start = _mm512_cvtepu32_epi64(
-        _mm256_loadu_si256(reinterpret_cast<const __m256i*>(starts + std::size_t{v} * kWidth)));
+    const __m512i start =
+        _mm512_cvtepu32_epi64(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(starts + std::size_t{v} * kWidth)));
     at[v] = _mm512_add_epi64(base[v], start);
     matches[v] = _mm512_setzero_si512();
   }

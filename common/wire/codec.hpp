@@ -5,7 +5,8 @@
 // Task payload, little-endian:
 //   job:   u64 seed, u32 generation, u32 rollouts, u32 steps, u8 acting, u64 policy share,
 //          u8 method, u64 gamma, u8 start,
-//          u8 objectives, each {u8 kind, f64 threshold, u8 rules, each {i32 right, i32 wrong, u8 conditions, each {node}}}
+//          u8 objectives, each {u8 kind, f64 threshold, u8 rules, each {i32 right, i32 wrong, u8 conditions, each
+//          {node}}}
 //   trees: u32 count, each {u16 nodes, each {node} in prefix order}
 //   node:  u8 kind + 4 x op, then composite: u16 extent; condition: u8 feature, u8 value; action: u8 action
 // Answer payload: u32 count, each {u32 nodes, u64 matches, u64 steps, i64 score for each objective of the job}

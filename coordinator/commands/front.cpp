@@ -41,8 +41,8 @@ Result<FoundFront> front_of(const Study& study, std::optional<std::int64_t> want
       return tl::unexpected(front.error());
     }
     if (front->members.empty()) {
-      return bad_input(fmt::format("{}: run {} has no front: expected a finished run with ga.search=front",
-                                   study.path(), *wanted));
+      return bad_input(
+          fmt::format("{}: run {} has no front: expected a finished run with ga.search=front", study.path(), *wanted));
     }
     return FoundFront{std::move(*run), std::move(*front)};
   }
@@ -152,15 +152,14 @@ void add_front(CLI::App& app, Invocation& invocation) {
       ->capture_default_str();
   command->add_flag("--json", options->json, "The front as one JSON list");
   command->footer(
-      "A rule: best MEASURE [with MEASURE<=NUMBER and ...], with <=, >= or =; shares are from 0 to 1; a measure is one\n"
+      "A rule: best MEASURE [with MEASURE<=NUMBER and ...], with <=, >= or =; shares are from 0 to 1; a measure is "
+      "one\n"
       "that the run evaluated, nodes, or fitness.\n"
       "Examples:\n"
       "  coppice front uav.coppice --plot front.svg\n"
       "  coppice front uav.coppice --pick 'best return with nodes<=20 and coverage>=0.8' -o best.tree\n"
       "  coppice score uav.coppice --tree best.tree");
-  command->callback([&invocation, options] {
-    invocation.chosen = [options] { return front_command(*options); };
-  });
+  command->callback([&invocation, options] { invocation.chosen = [options] { return front_command(*options); }; });
 }
 
 }  // namespace coppice

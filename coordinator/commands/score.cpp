@@ -40,7 +40,8 @@ Result<void> score_command(const Options& options, const StopFlag& stop) {
   const SimulateSettings settings{.episodes = options.episodes,
                                   .steps = options.steps ? *options.steps : learned_steps(*study),
                                   .seed = options.seed};
-  Result<Score> score = score_tree(*world, study->chain(), *tree, settings, [&] { return !stop.raised(); }, options.seen);
+  Result<Score> score = score_tree(
+      *world, study->chain(), *tree, settings, [&] { return !stop.raised(); }, options.seen);
   if (!score) {
     return tl::unexpected(score.error());
   }

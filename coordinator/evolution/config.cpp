@@ -128,18 +128,21 @@ Result<void> check_config(const EvolveConfig& config, const Vocabulary& vocabula
     }
   }
   if (rollout.schedule != Schedule::constant && rollout.acting != Acting::mixed) {
-    return bad_input(fmt::format("rollout.schedule is \"{}\" with rollout.acting \"{}\": only a mixed acting policy has "
-                                 "a share that can change",
-                                 name_of(rollout.schedule), name_of(rollout.acting)));
+    return bad_input(
+        fmt::format("rollout.schedule is \"{}\" with rollout.acting \"{}\": only a mixed acting policy has "
+                    "a share that can change",
+                    name_of(rollout.schedule), name_of(rollout.acting)));
   }
   if (rollout.start != Start::initial && rollout.method != Method::rollouts) {
-    return bad_input(fmt::format("rollout.start is \"{}\" with rollout.method \"{}\": only roll-outs start elsewhere than "
-                                 "in the initial state",
-                                 name_of(rollout.start), name_of(rollout.method)));
+    return bad_input(
+        fmt::format("rollout.start is \"{}\" with rollout.method \"{}\": only roll-outs start elsewhere than "
+                    "in the initial state",
+                    name_of(rollout.start), name_of(rollout.method)));
   }
   if (config.ga.search == Search::front && rollout.schedule != Schedule::constant) {
-    return bad_input("rollout.schedule changes what a generation measures: expected \"constant\" where ga.search is "
-                     "\"front\", which compares trees of different generations");
+    return bad_input(
+        "rollout.schedule changes what a generation measures: expected \"constant\" where ga.search is "
+        "\"front\", which compares trees of different generations");
   }
   if (config.ga.search == Search::front && config.front.restarts >= config.ga.generations) {
     return bad_input(fmt::format("front.restarts is {}: expected fewer than ga.generations, which is {}",

@@ -93,17 +93,17 @@ struct FitnessConfig {
   double shaped = 0.0;
   double coverage = 0.0;
   double visits = 0.0;
-  double expected_return = 0.0;   // key "return"
-  double regret = 0.0;            // costs lower the fitness
+  double expected_return = 0.0;  // key "return"
+  double regret = 0.0;           // costs lower the fitness
   double seen = 0.0;
   double collisions = 0.0;
   double unknown = 0.0;
-  double seen_visits = 1000.0;        // fewest visits of a state that counts as seen
-  double collision_reward = -10.0;    // a step collides when the mean reward recorded for it is this or less
-  double size_threshold = 0.9;    // the size term counts once agreement along the walk exceeds this
-  double size_nodes = 20.0;       // full size term at so many nodes or fewer
-  double size_weight = 1.0;       // 0 switches the size term off
-  std::vector<RuleConfig> rules;  // of the shaped objective; empty: thesis_rules()
+  double seen_visits = 1000.0;      // fewest visits of a state that counts as seen
+  double collision_reward = -10.0;  // a step collides when the mean reward recorded for it is this or less
+  double size_threshold = 0.9;      // the size term counts once agreement along the walk exceeds this
+  double size_nodes = 20.0;         // full size term at so many nodes or fewer
+  double size_weight = 1.0;         // 0 switches the size term off
+  std::vector<RuleConfig> rules;    // of the shaped objective; empty: thesis_rules()
 
   double weight(ObjectiveKind kind) const;
   bool operator==(const FitnessConfig&) const = default;
@@ -113,8 +113,8 @@ struct FitnessConfig {
 struct FrontConfig {
   // What trees are compared by. Others are measured if they have a weight in [fitness].
   std::vector<Measure> objectives = {measure_of(ObjectiveKind::agreement), measure_of(ObjectiveKind::coverage),
-                                     measure_of(ObjectiveKind::expected_return),
-                                     measure_of(ObjectiveKind::collisions), kNodesMeasure};
+                                     measure_of(ObjectiveKind::expected_return), measure_of(ObjectiveKind::collisions),
+                                     kNodesMeasure};
   std::uint32_t max_nodes = 20;  // of a tree that is kept on the front
   std::uint32_t restarts = 0;    // times that the search begins anew; the last part goes on from what all of them kept
   std::uint32_t members = 200;   // that are kept; the most crowded go first
@@ -143,15 +143,16 @@ Result<void> read_config(std::string_view toml, const std::string& name, EvolveC
 Result<void> apply_setting(std::string_view assignment, EvolveConfig& config);
 
 // What can be checked only as a whole, or needs the vocabulary: elites fewer than the population, walks within
-// kMaxWalkedSteps, a schedule only where it can act, a pick rule that can be read, some weight above 0, rules that speak of this vocabulary. Call it after the last change.
+// kMaxWalkedSteps, a schedule only where it can act, a pick rule that can be read, some weight above 0, rules that
+// speak of this vocabulary. Call it after the last change.
 Result<void> check_config(const EvolveConfig& config, const Vocabulary& vocabulary);
 
 // One line of JSON with every key; config_from_json(to_json(c)) gives exactly c.
 std::string config_to_json(const EvolveConfig& config);
 Result<EvolveConfig> config_from_json(std::string_view json);
 
-// The objectives of weight above 0 and those of `also`, in the order of ObjectiveKind. Errors: as check_config() for the
-// rules.
+// The objectives of weight above 0 and those of `also`, in the order of ObjectiveKind. Errors: as check_config() for
+// the rules.
 Result<std::vector<Objective>> objectives_of(const FitnessConfig& fitness, const Vocabulary& vocabulary,
                                              std::span<const Measure> also = {});
 // What a run of this configuration measures: with the front's objectives, if it searches one.

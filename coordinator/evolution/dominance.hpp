@@ -1,6 +1,7 @@
-// Order by several costs at once (Deb, Pratap, Agarwal, Meyarivan, "A fast and elitist multiobjective genetic algorithm:
-// NSGA-II", IEEE Transactions on Evolutionary Computation 6(2), 2002). All costs are to be small; a point dominates
-// another when none of its costs is larger and one is smaller. Pure functions; the same numbers give the same order.
+// Order by several costs at once (Deb, Pratap, Agarwal, Meyarivan, "A fast and elitist multiobjective genetic
+// algorithm: NSGA-II", IEEE Transactions on Evolutionary Computation 6(2), 2002). All costs are to be small; a point
+// dominates another when none of its costs is larger and one is smaller. Pure functions; the same numbers give the same
+// order.
 #pragma once
 
 #include <cstddef>

@@ -8,10 +8,10 @@
 namespace coppice {
 namespace {
 
-constexpr int kMaxAttempts = 8;       // at a changed tree within the limits
-constexpr int kMaxChanges = 4;        // in one edit
+constexpr int kMaxAttempts = 8;         // at a changed tree within the limits
+constexpr int kMaxChanges = 4;          // in one edit
 constexpr double kAnotherChange = 0.3;  // probability, after each
-constexpr double kCondition = 0.7;    // probability that a new leaf is one
+constexpr double kCondition = 0.7;      // probability that a new leaf is one
 
 NodeKind other(NodeKind kind) { return kind == NodeKind::sequence ? NodeKind::selector : NodeKind::sequence; }
 

@@ -53,9 +53,9 @@ const Champion& best_on_record(const HallOfFame& hall);
 // Where an evolution stands after a generation was evaluated: all that is needed to go on.
 struct Checkpoint {
   std::uint32_t generation = 0;
-  std::vector<Tree> population;  // by slot, as evaluated in `generation`
-  std::vector<double> fitness;   // by slot
-  HallOfFame hall_of_fame;       // `generation` included
+  std::vector<Tree> population;    // by slot, as evaluated in `generation`
+  std::vector<double> fitness;     // by slot
+  HallOfFame hall_of_fame;         // `generation` included
   std::vector<Tree> archive = {};  // search front: the trees kept on the front
   bool operator==(const Checkpoint&) const = default;
 };
@@ -81,8 +81,8 @@ Result<void> check_checkpoint(const Checkpoint& start, const GaConfig& ga, const
 // Evolves config.ga.generations generations, from the first or from after `start`. Fitness is sampled anew in every
 // generation, so a generation's best may owe it to luck: the answer is the champion that does best on one fixed,
 // larger sample (config.rollout.final_rollouts roll-outs, kFinalGeneration); ties: fewer nodes, then earlier.
-// A front search (ga.search) shares one sample among all generations (kFrontGeneration) and measures what it kept once more
-// on the final one: the front is what none other dominates there, the answer the one that front.pick chooses.
+// A front search (ga.search) shares one sample among all generations (kFrontGeneration) and measures what it kept once
+// more on the final one: the front is what none other dominates there, the answer the one that front.pick chooses.
 // Errors: whatever the evaluator or a hook reports, except that `interrupted` ends the evolution with what there is,
 // once there is one generation; a config or checkpoint that does not fit the chain.
 Result<Evolved> evolve(const Chain& chain, const EvolveConfig& config, Evaluator& evaluator,

@@ -129,8 +129,8 @@ class Pool {
 
 class FrontSearch {
  public:
-  FrontSearch(const Chain& chain, const EvolveConfig& config, ScalarFitness fitness, Measuring measuring,
-              PickRule rule, Evaluator& evaluator, const EvolveHooks& hooks)
+  FrontSearch(const Chain& chain, const EvolveConfig& config, ScalarFitness fitness, Measuring measuring, PickRule rule,
+              Evaluator& evaluator, const EvolveHooks& hooks)
       : chain_(chain),
         config_(config),
         fitness_(std::move(fitness)),
@@ -312,10 +312,9 @@ class FrontSearch {
         return;
       }
     }
-    archive_.erase(
-        std::remove_if(archive_.begin(), archive_.end(),
-                       [&](const Individual& member) { return dominates(candidate.costs, member.costs); }),
-        archive_.end());
+    archive_.erase(std::remove_if(archive_.begin(), archive_.end(),
+                                  [&](const Individual& member) { return dominates(candidate.costs, member.costs); }),
+                   archive_.end());
     archive_.push_back(candidate);
   }
 
@@ -325,7 +324,16 @@ class FrontSearch {
     }
   }
 
-  void select_survivors() { keep_best(population_, config_.ga.population); }
+  void select_survivors() {
+    // A first generation, too, may hold what means the same: it goes first, as long as enough is left.
+    Known known;
+    const auto first_repeated = std::stable_partition(
+        population_.begin(), population_.end(),
+        [&](const Individual& individual) { return known.add(individual.meaning, individual.tree.size()); });
+    const auto unlike = static_cast<std::size_t>(first_repeated - population_.begin());
+    population_.resize(std::max<std::size_t>(unlike, config_.ga.population));
+    keep_best(population_, config_.ga.population);
+  }
 
   // The best by rank and crowding, in the order in which they stood.
   void keep_best(std::vector<Individual>& individuals, std::size_t count) const {

@@ -1,12 +1,14 @@
-// Evolution towards a front of trees instead of one: NSGA-II (Deb and others 2002; dominance.hpp) with the random-weight
-// selection and local search of MOGLS (Ishibuchi and Murata, "A multi-objective genetic local search algorithm and its
-// application to flowshop scheduling", IEEE Transactions on Systems, Man, and Cybernetics C 28(3), 1998).
+// Evolution towards a front of trees instead of one: NSGA-II (Deb and others 2002; dominance.hpp) with the
+// random-weight selection and local search of MOGLS (Ishibuchi and Murata, "A multi-objective genetic local search
+// algorithm and its application to flowshop scheduling", IEEE Transactions on Systems, Man, and Cybernetics C 28(3),
+// 1998).
 //
-//   parents    half by rank and crowding (NSGA-II), half by a sum of the costs under weights drawn for each child (MOGLS)
-//   children   crossover and mutation, or, a share of them, edits of good trees: of the front in the last part
+//   parents    half by rank and crowding (NSGA-II), half by a sum of the costs under weights drawn for each child
+//   (MOGLS) children   crossover and mutation, or, a share of them, edits of good trees: of the front in the last part
 //   no two     individuals of a generation mean the same on the chain, unless the later one is smaller
 //   next       the best of parents and children by rank and crowding
-//   restarts   the generations are parts of equal length that begin anew, each from trees of its own; the last one begins
+//   restarts   the generations are parts of equal length that begin anew, each from trees of its own; the last one
+//   begins
 //              with what all have kept, so that no early luck decides the run
 //   archive    every tree of at most front.max_nodes nodes that no other dominates, thinned where it is crowded
 //

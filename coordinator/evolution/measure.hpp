@@ -1,5 +1,5 @@
-// What a tree is measured by, in the units that a user reads: the objectives, and its size. Front searches compare trees by
-// measures, rules pick by them, studies keep them. A measure is a pure function of a tally.
+// What a tree is measured by, in the units that a user reads: the objectives, and its size. Front searches compare
+// trees by measures, rules pick by them, studies keep them. A measure is a pure function of a tally.
 //
 //   agreement, coverage, visits, seen     shares in [0, 1]
 //   return                                reward a walk of rollout.steps steps             [reward]

@@ -156,7 +156,7 @@ std::optional<std::size_t> pick(const Front& front, const PickRule& rule) {
     const FrontMember& rival = front.members[*chosen];
     const double of_member = sign * *value;
     const double of_rival = sign * *value_of(front, rival, rule.best);
-    const bool better = of_member != of_rival            ? of_member > of_rival
+    const bool better = of_member != of_rival             ? of_member > of_rival
                         : member.fitness != rival.fitness ? member.fitness > rival.fitness
                                                           : member.tree.size() < rival.tree.size();
     chosen = better ? i : *chosen;

@@ -33,7 +33,8 @@ Tree mutated(Stream& stream, const Breeding& breeding, const GaConfig& ga, const
   if (ga.edits > 0.0 && stream.chance(ga.edits)) {
     return breeding.edit(stream, tree);
   }
-  return stream.chance(ga.headless_chicken) ? breeding.mutate_subtree(stream, tree) : breeding.mutate_leaf(stream, tree);
+  return stream.chance(ga.headless_chicken) ? breeding.mutate_subtree(stream, tree)
+                                            : breeding.mutate_leaf(stream, tree);
 }
 
 std::vector<Tree> next_population(const Breeding& breeding, const EvaluatedPopulation& parents, const GaConfig& ga,

@@ -64,8 +64,7 @@ class GreedyList {
 
   Tree grow(std::size_t branches) {
     const std::vector<double> of_all = weights_by_action([](std::size_t) { return true; });
-    const auto otherwise =
-        static_cast<std::size_t>(std::max_element(of_all.begin(), of_all.end()) - of_all.begin());
+    const auto otherwise = static_cast<std::size_t>(std::max_element(of_all.begin(), of_all.end()) - of_all.begin());
     const std::vector<Node> conditions = all_conditions(chain_.vocabulary());
     std::vector<Branch> list;
     while (list.size() < branches && add_best(conditions, otherwise, list)) {
@@ -132,8 +131,7 @@ std::optional<Tree> seed_tree(Seeding seeding, const Chain& chain, const TreeSha
   if (shape.max_depth < 2 || shape.max_nodes < kNodesPerBranch + 2) {
     return std::nullopt;
   }
-  const std::size_t most =
-      std::min({shape.max_children - 1, (shape.max_nodes - 2) / kNodesPerBranch, kMaxBranches});
+  const std::size_t most = std::min({shape.max_children - 1, (shape.max_nodes - 2) / kNodesPerBranch, kMaxBranches});
   const std::size_t branches = 1 + stream.below(most);
   if (seeding == Seeding::greedy) {
     return GreedyList(chain, stream).grow(branches);

@@ -1,10 +1,12 @@
 // Trees to begin with that are not grown blindly.
 //
 //   branches   a selector of single-condition branches, (sequence condition action), and an action
-//   greedy     a decision list (Rivest, "Learning decision lists", Machine Learning 2, 1987) grown from the policy: each
-//              next branch is the condition and action that decide most of the still undecided states as the policy does,
-//              beyond what the action at the end would; every state weighs 1 mixed with its visits by a random share, and
-//              each branch chooses among a random half of the conditions, so that no two seeds need be alike.
+//   greedy     a decision list (Rivest, "Learning decision lists", Machine Learning 2, 1987) grown from the policy:
+//   each
+//              next branch is the condition and action that decide most of the still undecided states as the policy
+//              does, beyond what the action at the end would; every state weighs 1 mixed with its visits by a random
+//              share, and each branch chooses among a random half of the conditions, so that no two seeds need be
+//              alike.
 //
 // A pure function of (chain, stream).
 #pragma once

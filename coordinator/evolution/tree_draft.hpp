@@ -1,5 +1,5 @@
-// A tree being taken apart and put together: nodes that own their children, where a Tree is a flat value. For operators that
-// move several parts at once. Not checked; finished() says whether it has become a tree.
+// A tree being taken apart and put together: nodes that own their children, where a Tree is a flat value. For operators
+// that move several parts at once. Not checked; finished() says whether it has become a tree.
 #pragma once
 
 #include <cstddef>

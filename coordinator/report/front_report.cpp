@@ -63,7 +63,8 @@ std::string measure_text(Measure measure, double value) {
   if (!is_objective(measure)) {
     return fmt::format("{:.0f}", value);
   }
-  return kind_of(measure) == ObjectiveKind::expected_return ? fmt::format("{:.1f}", value) : fmt::format("{:.4f}", value);
+  return kind_of(measure) == ObjectiveKind::expected_return ? fmt::format("{:.1f}", value)
+                                                            : fmt::format("{:.4f}", value);
 }
 
 std::string to_text(const Front& front, std::optional<std::size_t> picked) {
@@ -153,7 +154,7 @@ std::string front_svg(const Front& front, const FrontAxes& axes, std::optional<s
                      (kTop + kHeight - kBottom) / 2.0, name_of(axes.up));
 
   struct Dot {
-    double x, y;        // pixels
+    double x, y;            // pixels
     double cost_x, cost_y;  // to be small
   };
   std::vector<Dot> dots;
@@ -165,7 +166,8 @@ std::string front_svg(const Front& front, const FrontAxes& axes, std::optional<s
     const std::size_t dark = std::min(member.tree.size(), kMostNodesShown) * 5;
     const bool is_picked = picked == i;
     svg += fmt::format(
-        "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"rgb({},{},255)\"{}><title>#{}: {} nodes</title></circle>\n",
+        "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"rgb({},{},255)\"{}><title>#{}: {} "
+        "nodes</title></circle>\n",
         dots.back().x, dots.back().y, is_picked ? 6 : 4, 200 - dark, 200 - dark,
         is_picked ? " stroke=\"red\" stroke-width=\"2\"" : "", i, member.tree.size());
   }

@@ -178,9 +178,9 @@ Result<Score> score_tree(const World& world, const Chain& chain, const Tree& tre
   score.settings = settings;
   score.states = chain.states();
   score.seen_visits = seen_visits;
-  score.seen_states = static_cast<std::size_t>(
-      std::count_if(chain.parts().visits.begin(), chain.parts().visits.end(),
-                    [&](std::uint64_t visits) { return visits >= seen_visits; }));
+  score.seen_states =
+      static_cast<std::size_t>(std::count_if(chain.parts().visits.begin(), chain.parts().visits.end(),
+                                             [&](std::uint64_t visits) { return visits >= seen_visits; }));
   score.entries = chain.states() * chain.actions();
   score.nodes = tree.size();
   score.nodes_sound = simplify(tree, vocabulary).tree.size();
@@ -240,9 +240,7 @@ std::string to_text(const Score& score) {
     }
     return cells;
   };
-  const auto over_states = [&](const ControllerScore& c) {
-    return percent(share(c.matching_states, score.states));
-  };
+  const auto over_states = [&](const ControllerScore& c) { return percent(share(c.matching_states, score.states)); };
   const auto over_seen = [&](const ControllerScore& c) { return percent(share(c.matching_seen, score.seen_states)); };
   std::vector<Row> rows = {
       {"", {"policy", "tree", "pruned tree"}, {"Q-learning", "BT", "BT adjusted"}},

@@ -8,8 +8,8 @@
 namespace coppice {
 namespace {
 
-// Two states and two actions. State 0: visited 3 times, Q 4 and 1; state 1: visited once, Q 2 and 2; its second action was
-// never tried.
+// Two states and two actions. State 0: visited 3 times, Q 4 and 1; state 1: visited once, Q 2 and 2; its second action
+// was never tried.
 Chain two_states() {
   ChainParts parts;
   parts.vocabulary = {{{"a", {0, 1}, true, false}}, {"stay", "go"}};

@@ -20,9 +20,9 @@ const std::string kThesisFile = std::string(COPPICE_SOURCE_DIR) + "/coordinator/
 EvolveConfig unusual_config() {
   EvolveConfig config;
   config.seed = std::numeric_limits<std::uint64_t>::max();
-  config.ga = {7,   8,  0.1,           1.0 / 3.0,                0.7,              1e-17, 9,
-               2,   0,  99,            Search::front,            Simplification::lossless, Seeding::greedy,
-               0.3, 0.4};
+  config.ga = {
+      7,   8,  0.1, 1.0 / 3.0, 0.7, 1e-17, 9, 2, 0, 99, Search::front, Simplification::lossless, Seeding::greedy,
+      0.3, 0.4};
   config.rollout = {11,
                     12,
                     13,
@@ -33,8 +33,8 @@ EvolveConfig unusual_config() {
                     Start::uniform,
                     Method::discounted,
                     0.987654321};
-  config.fitness = {0.1, 0.2, 0.3, 0.4, 0.5,  0.6,   1.1, 1.2, 1.3,
-                    1.4, 5.0, 6.0, 0.7, 8.5, 0.9, {{{"a=0", "d<=2"}, 8, -4}, {{}, 1, 0}}};
+  config.fitness = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 1.1, 1.2,
+                    1.3, 1.4, 5.0, 6.0, 0.7, 8.5, 0.9, {{{"a=0", "d<=2"}, 8, -4}, {{}, 1, 0}}};
   config.front = {{kNodesMeasure, measure_of(ObjectiveKind::regret)}, 17, 3, 5, "best regret with nodes<=4"};
   return config;
 }
@@ -98,7 +98,8 @@ TEST(Config, AFrontRefusesWhatItCannotKeep) {
     return ok ? std::string("accepted") : ok.error().message;
   };
   EXPECT_EQ(message({"ga.search=front"}), "accepted");
-  EXPECT_EQ(message({"ga.search=both"}), "--set ga.search=both: ga.search is \"both\": expected \"scalar\" or \"front\"");
+  EXPECT_EQ(message({"ga.search=both"}),
+            "--set ga.search=both: ga.search is \"both\": expected \"scalar\" or \"front\"");
   EXPECT_EQ(message({"front.pick=best return with size<=3"}).rfind("front.pick: no measure 'size'", 0), 0U);
   EXPECT_NE(message({"front.objectives=agreement, agreement"}).find("named twice"), std::string::npos);
   EXPECT_NE(message({"ga.search=front", "front.restarts=400"}).find("expected fewer than ga.generations"),

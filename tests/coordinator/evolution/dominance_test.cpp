@@ -52,7 +52,8 @@ TEST(Dominance, RanksAreThoseOfTheDefinition) {
 }
 
 TEST(Dominance, CrowdingIsTheSumOfTheGapsByRange) {
-  // One front of four points, worked by hand: gaps (3-0)/4 and (4-1)/4 for the second, (4-1)/4 and (3-0)/4 for the third.
+  // One front of four points, worked by hand: gaps (3-0)/4 and (4-1)/4 for the second, (4-1)/4 and (3-0)/4 for the
+  // third.
   const std::vector<double> values = {0, 4, 1, 3, 3, 1, 4, 0};
   const Costs costs{values, 2};
   const std::vector<std::uint32_t> ranks = ranks_of(costs);

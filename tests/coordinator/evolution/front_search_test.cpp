@@ -60,8 +60,8 @@ TEST_F(FrontSearchTest, ResumesFromAnyCheckpointToTheVerySameFront) {
     const auto resumed = run(config, whole[g]);
     ASSERT_TRUE(resumed.has_value()) << resumed.error().message;
     EXPECT_EQ(*resumed, *expected) << "from generation " << g;
-    EXPECT_TRUE(std::equal(checkpoints_.begin(), checkpoints_.end(),
-                           whole.begin() + static_cast<std::ptrdiff_t>(g) + 1, whole.end()));
+    EXPECT_TRUE(std::equal(checkpoints_.begin(), checkpoints_.end(), whole.begin() + static_cast<std::ptrdiff_t>(g) + 1,
+                           whole.end()));
   }
 }
 

@@ -124,8 +124,8 @@ TEST_F(StudyTest, AFrontComesBackBitForBit) {
   Study study = make();
   const RunId id = study.begin_run({config(), "serial"}).value();
   EXPECT_EQ(study.front(id).value(), Front{});
-  const std::vector<Measure> measures = {measure_of(ObjectiveKind::agreement), measure_of(ObjectiveKind::expected_return),
-                                         kNodesMeasure};
+  const std::vector<Measure> measures = {measure_of(ObjectiveKind::agreement),
+                                         measure_of(ObjectiveKind::expected_return), kNodesMeasure};
   Front front{measures, {{tree_of("move"), 1.0 / 3.0, {0.1, -17.25, 1}}, {tree_of("left"), 0.5, {0.2, 5e-324, 1}}}};
   ASSERT_TRUE(study.save_front(id, front).has_value());
   EXPECT_EQ(study.front(id).value(), front);
