@@ -97,6 +97,7 @@ int run(int argc, char** argv) {
   coppice::add_evaluate(app, invocation);
   coppice::add_synth(app, invocation);
   coppice::add_info(app, invocation);
+  coppice::add_sweep(app, invocation);
   coppice::add_bench(app, invocation);
   try {
     app.parse(argc, argv);

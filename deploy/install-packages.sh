@@ -8,7 +8,7 @@ set -euo pipefail
 
 packages=(g++ cmake ninja-build cyclonedds-dev cyclonedds-tools libcli11-dev
   libtomlplusplus-dev libsqlitecpp-dev libsqlite3-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libexpected-dev
-  libxxhash-dev libeigen3-dev libsuitesparse-dev graphviz)
+  libxxhash-dev libeigen3-dev libsuitesparse-dev graphviz gnuplot-nox)
 for group in "$@"; do
   case $group in
     tests) packages+=(libgtest-dev) ;;

@@ -13,8 +13,7 @@ constexpr std::chrono::seconds kIdleWait{1};
 constexpr unsigned long kTimerSlackNs = 1000;     // of a paced lane: 50 us, the system's, would be felt at 500 us
 constexpr std::chrono::milliseconds kMostLag{5};  // that a paced lane makes up for: late timers, not late tasks
 
-void answer(const WorkerState& state, const wire::Task& task, coppice_wire_Outcome outcome,
-            std::span<const std::uint8_t> payload, std::chrono::nanoseconds elapsed,
+void answer(const WorkerState& state, const wire::Task& task, const Lane::Outcome& outcome,
             wire::Writer<wire::Answer>& answers) {
   wire::Answer sample{};
   sample.protocol = state.protocol;
@@ -22,9 +21,10 @@ void answer(const WorkerState& state, const wire::Task& task, coppice_wire_Outco
   sample.chain = task.chain;
   sample.worker = state.worker;
   sample.batch = task.batch;
-  sample.outcome = outcome;
-  sample.elapsed_ns = static_cast<std::uint64_t>(elapsed.count());
-  sample.payload = wire::lend(payload);
+  sample.outcome = outcome.kind;
+  sample.elapsed_ns = static_cast<std::uint64_t>(outcome.elapsed.count());
+  sample.repeated = static_cast<std::uint32_t>(outcome.repeated);
+  sample.payload = wire::lend(outcome.payload);
   if (auto ok = answers.write(sample); !ok) {
     // The coordinator offers the batch again when its deadline passes.
     spdlog::warn("an answer was not sent: {}", ok.error().message);
@@ -49,7 +49,7 @@ bool WorkerState::rest_until(std::chrono::steady_clock::time_point time) {
 }
 
 void give_back(const WorkerState& state, const wire::Task& task, wire::Writer<wire::Answer>& answers) {
-  answer(state, task, coppice_wire_GIVEN_BACK, {}, std::chrono::nanoseconds(0), answers);
+  answer(state, task, {.kind = coppice_wire_GIVEN_BACK}, answers);
 }
 
 Lane::Lane(WorkerState& state, wire::Waiter waiter, const wire::Reader<wire::Task>& tasks,
@@ -99,45 +99,48 @@ void Lane::take_one(const wire::Task& task) {
   if (task.protocol != state_.protocol || (run_id != 0 && task.run_id != run_id)) {
     return;  // of a coordinator that another has followed: nobody waits for it
   }
-  const Outcome outcome = evaluate(task);
-  answer(state_, task, outcome.kind, outcome.payload, outcome.elapsed, answers_);
+  answer(state_, task, evaluate(task), answers_);
 }
 
 Lane::Outcome Lane::evaluate(const wire::Task& task) {
   const auto chain = state_.chains.find(wire::from_wire(task.chain));
   if (chain == nullptr) {
-    return {coppice_wire_CHAIN_UNKNOWN, {}, {}};
+    return {.kind = coppice_wire_CHAIN_UNKNOWN};
   }
   const auto decoded = wire::decode_task(wire::view(task.payload), chain->chain().vocabulary());
   if (!decoded) {
     spdlog::warn("refused a task: {}", decoded.error().message);
-    return {coppice_wire_REFUSED, as_bytes(decoded.error().message), {}};
+    return {.kind = coppice_wire_REFUSED, .payload = as_bytes(decoded.error().message)};
   }
   if (auto ok = prepare(chain, decoded->job); !ok) {
-    return {coppice_wire_REFUSED, as_bytes(ok.error().message), {}};
+    return {.kind = coppice_wire_REFUSED, .payload = as_bytes(ok.error().message)};
   }
   const auto begin = state_.pace.count() > 0 ? free_ : Clock::now();
+  const std::uint64_t repeated = evaluation_->repeated();
   std::vector<Tally> tallies;
   tallies.reserve(decoded->trees.size());
   const std::span<const Tree> trees = decoded->trees;
   const std::size_t at_once = state_.pace.count() > 0 ? 1 : evaluation_->trees_per_pass();
   while (tallies.size() < trees.size()) {
     if (state_.leaving) {
-      return {coppice_wire_GIVEN_BACK, {}, {}};
+      return {.kind = coppice_wire_GIVEN_BACK};
     }
     const std::size_t count = std::min<std::size_t>(at_once, trees.size() - tallies.size());
     auto some = evaluation_->evaluate(trees.subspan(tallies.size(), count));
     std::move(some.begin(), some.end(), std::back_inserter(tallies));
     if (!pass_time(begin, tallies.size())) {
-      return {coppice_wire_GIVEN_BACK, {}, {}};
+      return {.kind = coppice_wire_GIVEN_BACK};
     }
     state_.evaluated.fetch_add(count, std::memory_order_relaxed);
   }
   auto payload = wire::encode_tallies(tallies);
   if (payload.size() > wire::kMaxTaskPayload) {
-    return {coppice_wire_REFUSED, as_bytes("the answer would be larger than the contract allows"), {}};
+    return {.kind = coppice_wire_REFUSED, .payload = as_bytes("the answer would be larger than the contract allows")};
   }
-  return {coppice_wire_EVALUATED, std::move(payload), Clock::now() - begin};
+  return {.kind = coppice_wire_EVALUATED,
+          .payload = std::move(payload),
+          .elapsed = Clock::now() - begin,
+          .repeated = evaluation_->repeated() - repeated};
 }
 
 // A paced lane keeps to a schedule: a timer that fires late delays one individual, not all that follow it.

@@ -54,6 +54,14 @@ class Lane {
   // To notice state.leaving. Safe from any thread.
   void wake() const { waiter_.wake(); }
 
+  // What became of a task.
+  struct Outcome {
+    coppice_wire_Outcome kind = coppice_wire_REFUSED;
+    std::vector<std::uint8_t> payload = {};
+    std::chrono::nanoseconds elapsed{0};  // evaluating
+    std::uint64_t repeated = 0;           // trees that meant what another did
+  };
+
  private:
   using Clock = std::chrono::steady_clock;
 
@@ -62,12 +70,6 @@ class Lane {
 
   void run();
   void take_one(const wire::Task& task);
-  // The outcome of a task, with its payload.
-  struct Outcome {
-    coppice_wire_Outcome kind = coppice_wire_REFUSED;
-    std::vector<std::uint8_t> payload;
-    std::chrono::nanoseconds elapsed{0};  // evaluating
-  };
   Outcome evaluate(const wire::Task& task);
   bool pass_time(Clock::time_point begin, std::size_t individuals);
   Result<void> prepare(const std::shared_ptr<const PreparedChain>& chain, const Job& job);

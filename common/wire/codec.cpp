@@ -1,5 +1,8 @@
 #include "common/wire/codec.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cstring>
 #include <fmt/format.h>
 
 #include "common/check.hpp"
@@ -53,8 +56,8 @@ bool get_node(ByteReader& reader, Node& node) {
   return true;
 }
 
-tl::unexpected<Error> unknown_node(const Node& node) {
-  return bad_input(fmt::format("node tag {} is unknown: expected 0 to 3, or 6", node.value));
+tl::unexpected<Error> unknown_node(std::uint8_t tag) {
+  return bad_input(fmt::format("node tag {} is unknown: expected 0 to 3, or 6", tag));
 }
 
 void put_job(const Job& job, ByteWriter& writer) {
@@ -100,7 +103,7 @@ Result<std::vector<ShapedRule>> get_rules(ByteReader& reader) {
     for (std::uint8_t j = 0; j < conditions; ++j) {
       Node node;
       if (!get_node(reader, node)) {
-        return unknown_node(node);
+        return unknown_node(node.value);
       }
       rule.any_of.push_back(node);
     }
@@ -158,23 +161,71 @@ Result<Job> get_job(ByteReader& reader) {
   return job;
 }
 
-Result<Tree> get_tree(ByteReader& reader, const Vocabulary& vocabulary) {
-  const auto count = reader.get<std::uint16_t>();
-  if (count > kMaxTreeNodes) {
-    return bad_input(fmt::format("tree has {} nodes: expected at most {}", count, kMaxTreeNodes));
-  }
-  std::vector<Node> nodes;
-  nodes.reserve(std::min<std::size_t>(count, reader.left()));
-  for (std::uint16_t i = 0; i < count && reader.ok(); ++i) {
-    Node node;
-    if (!get_node(reader, node)) {
-      return unknown_node(node);
+// A tree's nodes are most of a task: they are read and written by plain pointers.
+std::uint8_t* write_tree(const Tree& tree, std::uint8_t* at) {
+  const auto count = static_cast<std::uint16_t>(tree.size());
+  std::memcpy(at, &count, sizeof(count));
+  at += sizeof(count);
+  for (const Node& node : tree.nodes()) {
+    *at++ = static_cast<std::uint8_t>(static_cast<unsigned>(node.kind) | static_cast<unsigned>(node.op) << kOpShift);
+    if (node.is_composite()) {
+      std::memcpy(at, &node.extent, sizeof(node.extent));
+      at += sizeof(node.extent);
+    } else {
+      *at++ = node.index;
+      if (node.kind == NodeKind::condition) {
+        *at++ = node.value;
+      }
     }
-    nodes.push_back(node);
   }
+  return at;
+}
+
+// Reads one tree from the front of `bytes`, and takes it off.
+Result<Tree> read_tree(std::span<const std::uint8_t>& bytes, const Vocabulary& vocabulary) {
+  constexpr std::size_t kMostNodeBytes = 3;
+  ByteReader reader(bytes.first(std::min(bytes.size(), sizeof(std::uint16_t))));
+  const auto count = reader.get<std::uint16_t>();
   if (!reader.ok()) {
     return bad_input("tree is cut short");
   }
+  if (count > kMaxTreeNodes) {
+    return bad_input(fmt::format("tree has {} nodes: expected at most {}", count, kMaxTreeNodes));
+  }
+  const std::uint8_t* at = bytes.data() + sizeof(count);
+  const std::uint8_t* const end = bytes.data() + bytes.size();
+  std::vector<Node> nodes;
+  nodes.reserve(std::min<std::size_t>(count, bytes.size()));
+  for (std::uint16_t i = 0; i < count; ++i) {
+    std::array<std::uint8_t, kMostNodeBytes> last{};
+    const auto left = static_cast<std::size_t>(end - at);
+    const std::uint8_t* node = at;
+    if (left < kMostNodeBytes) {
+      std::copy(at, end, last.begin());
+      node = last.data();
+    }
+    const auto kind = static_cast<NodeKind>(node[0] & kKindMask);
+    const unsigned op = node[0] >> kOpShift;
+    const std::size_t size = kind == NodeKind::action ? 2 : kMostNodeBytes;
+    if (left == 0) {
+      return bad_input("tree is cut short");
+    }
+    if (op > 1 || (op == 1 && kind != NodeKind::condition)) {
+      return unknown_node(node[0]);
+    }
+    if (left < size) {
+      return bad_input("tree is cut short");
+    }
+    at += size;
+    if (kind == NodeKind::action) {
+      nodes.push_back(Node::action(ActionId{node[1]}));
+    } else if (kind == NodeKind::condition) {
+      nodes.push_back(Node::condition(node[1], static_cast<Op>(op), node[2]));
+    } else {
+      nodes.push_back(Node::composite(kind, static_cast<std::size_t>(node[1] | node[2] << 8)));
+    }
+  }
+  bytes = bytes.last(static_cast<std::size_t>(end - at));
   auto tree = Tree::from_nodes(std::move(nodes));
   if (!tree) {
     return tree;
@@ -183,6 +234,27 @@ Result<Tree> get_tree(ByteReader& reader, const Vocabulary& vocabulary) {
     return tl::unexpected(ok.error());
   }
   return tree;
+}
+
+template <typename TreeAt>
+std::vector<std::uint8_t> encode(const Job& job, std::size_t trees, const TreeAt& tree_at) {
+  COPPICE_CHECK(trees <= kMaxTreesPerTask);
+  ByteWriter writer;
+  put_job(job, writer);
+  writer.put(static_cast<std::uint32_t>(trees));
+  std::size_t size = 0;
+  for (std::size_t i = 0; i < trees; ++i) {
+    size += encoded_size(tree_at(i));
+  }
+  std::vector<std::uint8_t> bytes = writer.take();
+  const std::size_t head = bytes.size();
+  bytes.resize(head + size);
+  std::uint8_t* at = bytes.data() + head;
+  for (std::size_t i = 0; i < trees; ++i) {
+    at = write_tree(tree_at(i), at);
+  }
+  COPPICE_CHECK(at == bytes.data() + bytes.size());
+  return bytes;
 }
 
 }  // namespace
@@ -196,22 +268,12 @@ std::size_t encoded_size(const Tree& tree) {
 }
 
 std::vector<std::uint8_t> encode_task(const Job& job, std::span<const Tree> trees) {
-  COPPICE_CHECK(trees.size() <= kMaxTreesPerTask);
-  ByteWriter writer;
-  put_job(job, writer);
-  writer.put(static_cast<std::uint32_t>(trees.size()));
-  std::size_t size = writer.bytes().size();
-  for (const Tree& tree : trees) {
-    size += encoded_size(tree);
-  }
-  writer.reserve(size);
-  for (const Tree& tree : trees) {
-    writer.put(static_cast<std::uint16_t>(tree.size()));
-    for (const Node& node : tree.nodes()) {
-      put_node(node, writer);
-    }
-  }
-  return writer.take();
+  return encode(job, trees.size(), [&](std::size_t i) -> const Tree& { return trees[i]; });
+}
+
+std::vector<std::uint8_t> encode_task(const Job& job, std::span<const Tree> trees,
+                                      std::span<const std::uint32_t> places) {
+  return encode(job, places.size(), [&](std::size_t i) -> const Tree& { return trees[places[i]]; });
 }
 
 Result<DecodedTask> decode_task(std::span<const std::uint8_t> payload, const Vocabulary& vocabulary) {
@@ -226,15 +288,19 @@ Result<DecodedTask> decode_task(std::span<const std::uint8_t> payload, const Voc
   }
   DecodedTask task{std::move(*job), {}};
   task.trees.reserve(std::min<std::size_t>(count, reader.left()));
+  if (!reader.ok()) {
+    return bad_input("task is cut short");
+  }
+  std::span<const std::uint8_t> rest = payload.last(reader.left());
   for (std::uint32_t i = 0; i < count; ++i) {
-    auto tree = get_tree(reader, vocabulary);
+    auto tree = read_tree(rest, vocabulary);
     if (!tree) {
       return in_context(fmt::format("tree {}", i), tree.error());
     }
     task.trees.push_back(std::move(*tree));
   }
-  if (!reader.ok() || reader.left() != 0) {
-    return bad_input(reader.ok() ? fmt::format("{} bytes follow the task", reader.left()) : "task is cut short");
+  if (!rest.empty()) {
+    return bad_input(fmt::format("{} bytes follow the task", rest.size()));
   }
   return task;
 }

@@ -30,6 +30,9 @@ std::size_t encoded_size(const Tree& tree);
 
 // REQUIRES: trees.size() <= kMaxTreesPerTask.
 std::vector<std::uint8_t> encode_task(const Job& job, std::span<const Tree> trees);
+// Of the trees at these places only. REQUIRES: every place < trees.size(); places.size() <= kMaxTreesPerTask.
+std::vector<std::uint8_t> encode_task(const Job& job, std::span<const Tree> trees,
+                                      std::span<const std::uint32_t> places);
 
 struct DecodedTask {
   Job job;

@@ -29,6 +29,7 @@ void add_prune(CLI::App& app, Invocation& invocation);
 void add_draw(CLI::App& app, Invocation& invocation);
 void add_synth(CLI::App& app, Invocation& invocation);
 void add_info(CLI::App& app, Invocation& invocation);
+void add_sweep(CLI::App& app, Invocation& invocation);
 void add_bench(CLI::App& app, Invocation& invocation);
 void add_run(CLI::App& app, Invocation& invocation);
 

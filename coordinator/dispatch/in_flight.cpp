@@ -17,40 +17,61 @@ constexpr int kCopyGain = 2;  // times sooner that a copy must be done than its 
 
 }  // namespace
 
-void InFlight::begin(std::uint32_t slots) {
-  COPPICE_CHECK(done());
-  ++generation_;
-  for (auto entry = out_.begin(); entry != out_.end();) {
-    entry = entry->second.lost ? out_.erase(entry) : std::next(entry);
-  }
-  doubled_ = false;
-  settled_.assign(slots, false);
-  attempts_.assign(slots, 0);
-  unsettled_ = slots;
-  queue_.clear();
-  waiting_ = 0;
+GenerationId InFlight::begin(std::uint32_t slots) {
+  doubled_ = doubled_ && !done();
+  const GenerationId id{next_generation_++};
+  generations_.emplace(id, Generation{std::vector<bool>(slots, false), std::vector<std::uint32_t>(slots, 0), slots});
+  unsettled_ += slots;
   if (slots > 0) {
-    queue_.push_back({0, slots, false});
-    waiting_ = slots;
+    queue_.push_back({id, 0, slots, false});
+    waiting_ += slots;
+  }
+  return id;
+}
+
+void InFlight::end(GenerationId id) {
+  const auto generation = generations_.find(id);
+  COPPICE_CHECK(generation != generations_.end());
+  unsettled_ -= generation->second.unsettled;
+  generations_.erase(generation);
+  for (auto range = queue_.begin(); range != queue_.end();) {
+    if (range->generation == id) {
+      waiting_ -= range->count;
+      range = queue_.erase(range);
+    } else {
+      ++range;
+    }
+  }
+  for (auto entry = out_.begin(); entry != out_.end();) {
+    const bool forgotten = entry->second.lost && entry->second.batch.generation == id;
+    entry = forgotten ? out_.erase(entry) : std::next(entry);
   }
 }
 
-void InFlight::abandon() {
-  queue_.clear();
-  waiting_ = 0;
-  unsettled_ = 0;
-  settled_.clear();
-  attempts_.clear();
-  ++generation_;  // what is out belongs to no generation now
+InFlight::Generation* InFlight::generation_of(const Batch& batch) {
+  const auto found = generations_.find(batch.generation);
+  return found == generations_.end() ? nullptr : &found->second;
+}
+
+const InFlight::Generation* InFlight::generation_of(const Batch& batch) const {
+  const auto found = generations_.find(batch.generation);
+  return found == generations_.end() ? nullptr : &found->second;
+}
+
+std::optional<GenerationId> InFlight::front() const {
+  return queue_.empty() ? std::nullopt : std::optional(queue_.front().generation);
 }
 
 void InFlight::add_worker(WorkerId worker, std::size_t lanes) {
   COPPICE_CHECK(lanes >= 1);
   workers_.emplace(worker, Worker{.lanes = lanes});
   for (auto& [id, out] : out_) {
-    if (out.worker == worker && std::exchange(out.suspected, false) && out.generation == generation_) {
+    if (out.worker != worker || !std::exchange(out.suspected, false)) {
+      continue;
+    }
+    if (Generation* const generation = generation_of(out.batch); generation != nullptr) {
       for (std::uint32_t slot = out.batch.first; slot < out.batch.first + out.batch.count; ++slot) {
-        --attempts_[slot];
+        --generation->attempts[slot];
       }
     }
   }
@@ -102,7 +123,7 @@ std::optional<InFlight::Range> InFlight::take_range(const Worker& worker, std::u
   if (found == queue_.end()) {
     return std::nullopt;
   }
-  const Range taken{found->first, std::min(found->count, most), found->alone};
+  const Range taken{found->generation, found->first, std::min(found->count, most), found->alone};
   found->first += taken.count;
   found->count -= taken.count;
   if (found->count == 0) {
@@ -113,7 +134,7 @@ std::optional<InFlight::Range> InFlight::take_range(const Worker& worker, std::u
 }
 
 Batch InFlight::send(Worker& worker, WorkerId id, const Range& range, Time now, const Terms& terms) {
-  const Batch batch{BatchId{next_batch_++}, range.first, range.count};
+  const Batch batch{BatchId{next_batch_++}, range.generation, range.first, range.count};
   Out out;
   out.batch = batch;
   out.worker = id;
@@ -122,7 +143,6 @@ Batch InFlight::send(Worker& worker, WorkerId id, const Range& range, Time now, 
   if (terms.each.count() > 0) {
     out.expected = now + remaining(id, now, terms.each) + terms.each * range.count;
   }
-  out.generation = generation_;
   out.alone = range.alone;
   out_.emplace(batch.id, out);
   worker.since = worker.out == 0 ? now : worker.since;
@@ -144,19 +164,23 @@ std::optional<Batch> InFlight::offer(WorkerId worker, std::uint32_t most, Time n
 }
 
 bool InFlight::has_unsettled(const Out& out) const {
-  const auto begin = settled_.begin() + out.batch.first;
+  const Generation* const generation = generation_of(out.batch);
+  if (generation == nullptr) {
+    return false;
+  }
+  const auto begin = generation->settled.begin() + out.batch.first;
   return std::find(begin, begin + out.batch.count, false) != begin + out.batch.count;
 }
 
 bool InFlight::can_be_copied(const Out& out) const {
-  return out.generation == generation_ && !out.lost && out.copies < limits_.copies && has_unsettled(out);
+  return !out.lost && out.copies < limits_.copies && has_unsettled(out);
 }
 
-bool InFlight::is_held_elsewhere(std::uint32_t slot) const {
+bool InFlight::is_held_elsewhere(const Slot& slot) const {
   return std::any_of(out_.begin(), out_.end(), [&](const auto& entry) {
     const Out& out = entry.second;
-    return out.generation == generation_ && !out.lost && slot >= out.batch.first &&
-           slot < out.batch.first + out.batch.count;
+    return out.batch.generation == slot.generation && !out.lost && slot.index >= out.batch.first &&
+           slot.index < out.batch.first + out.batch.count;
   });
 }
 
@@ -196,7 +220,7 @@ std::optional<Batch> InFlight::offer_copy(WorkerId worker, Time now, const Terms
   // The copy gets its time before a third worker is asked.
   original->due = std::max(original->due, now + terms.patience);
   original->expected.reset();
-  const Range range{original->batch.first, original->batch.count, original->alone};
+  const Range range{original->batch.generation, original->batch.first, original->batch.count, original->alone};
   const Batch copy = send(found->second, worker, range, now, terms);
   out_.at(copy.id).copies = limits_.copies;
   return copy;
@@ -221,8 +245,9 @@ void InFlight::discharge(const Out& out) {
   }
 }
 
-void InFlight::settle_slot(std::uint32_t slot) {
-  settled_[slot] = true;
+void InFlight::settle_slot(Generation& generation, std::uint32_t slot) {
+  generation.settled[slot] = true;
+  --generation.unsettled;
   --unsettled_;
 }
 
@@ -231,7 +256,7 @@ std::optional<InFlight::Found> InFlight::find(BatchId batch, WorkerId worker) co
   if (found == out_.end() || found->second.worker != worker) {
     return std::nullopt;
   }
-  return Found{found->second.batch, found->second.generation == generation_, found->second.sent};
+  return Found{found->second.batch, generation_of(found->second.batch) != nullptr, found->second.sent};
 }
 
 InFlight::Settlement InFlight::settle(BatchId batch, WorkerId worker, Time now) {
@@ -246,12 +271,13 @@ InFlight::Settlement InFlight::settle(BatchId batch, WorkerId worker, Time now) 
   }
   out_.erase(found);
   Settlement settlement{Settled::duplicate, out.batch, {}};
-  if (out.generation != generation_) {
+  Generation* const generation = generation_of(out.batch);
+  if (generation == nullptr) {
     return settlement;
   }
   for (std::uint32_t slot = out.batch.first; slot < out.batch.first + out.batch.count; ++slot) {
-    if (!settled_[slot]) {
-      settle_slot(slot);
+    if (!generation->settled[slot]) {
+      settle_slot(*generation, slot);
       settlement.fresh.push_back(slot);
       settlement.kind = Settled::first;
     }
@@ -267,11 +293,12 @@ void InFlight::drop_settled() {
   queue.swap(queue_);
   waiting_ = 0;
   for (const Range& range : queue) {
+    const std::vector<bool>& settled = generations_.at(range.generation).settled;
     std::uint32_t run = 0;
     for (std::uint32_t slot = range.first; slot < range.first + range.count; ++slot) {
-      run = settled_[slot] ? 0 : run + 1;
+      run = settled[slot] ? 0 : run + 1;
       if (run == 1) {
-        queue_.push_back({slot, 1, range.alone});
+        queue_.push_back({range.generation, slot, 1, range.alone});
       } else if (run > 1) {
         ++queue_.back().count;
       }
@@ -280,33 +307,34 @@ void InFlight::drop_settled() {
   }
 }
 
-void InFlight::push_waiting(std::uint32_t first, std::uint32_t count) {
-  queue_.push_front({first, count, false});
-  waiting_ += count;
+void InFlight::push_waiting(const Range& range) {
+  queue_.push_front(range);
+  waiting_ += range.count;
 }
 
 void InFlight::wait_again(const Out& out) {
+  const GenerationId id = out.batch.generation;
+  const Generation& generation = generations_.at(id);
   // From the back, so that the slots stand at the front of the queue in their order.
   std::uint32_t run = 0;
   const std::uint32_t end = out.batch.first + out.batch.count;
   for (std::uint32_t slot = end; slot-- > out.batch.first;) {
-    const bool waits = !settled_[slot];
-    const bool alone = waits && attempts_[slot] >= limits_.isolate_after;
+    const bool waits = !generation.settled[slot];
+    const bool alone = waits && generation.attempts[slot] >= limits_.isolate_after;
     if (waits && !alone) {
       ++run;
       continue;
     }
     if (run > 0) {
-      push_waiting(slot + 1, run);
+      push_waiting({id, slot + 1, run, false});
       run = 0;
     }
     if (alone) {
-      queue_.push_front({slot, 1, true});
-      ++waiting_;
+      push_waiting({id, slot, 1, true});
     }
   }
   if (run > 0) {
-    push_waiting(out.batch.first, run);
+    push_waiting({id, out.batch.first, run, false});
   }
 }
 
@@ -318,7 +346,7 @@ bool InFlight::give_back(BatchId batch, WorkerId worker) {
   const Out out = found->second;
   discharge(out);
   out_.erase(found);
-  if (out.generation == generation_ && !out.lost) {
+  if (!out.lost && generation_of(out.batch) != nullptr) {
     wait_again(out);
   }
   return true;
@@ -329,22 +357,28 @@ InFlight::Loss InFlight::lose_worker(WorkerId worker, Farewell farewell) {
   if (workers_.erase(worker) == 0) {
     return loss;
   }
-  for (auto& [id, out] : out_) {
+  for (auto entry = out_.begin(); entry != out_.end();) {
+    Out& out = entry->second;
     if (out.worker != worker || out.lost) {
+      ++entry;
       continue;
     }
+    Generation* const generation = generation_of(out.batch);
+    if (generation == nullptr) {
+      entry = out_.erase(entry);
+      continue;
+    }
+    ++entry;
     out.lost = true;
     doubled_ = true;
-    if (out.generation != generation_) {
-      continue;
-    }
     ++loss.batches;
     out.suspected = farewell == Farewell::died;
     for (std::uint32_t slot = out.batch.first; out.suspected && slot < out.batch.first + out.batch.count; ++slot) {
-      ++attempts_[slot];
-      if (!settled_[slot] && attempts_[slot] >= limits_.attempts && !is_held_elsewhere(slot)) {
-        settle_slot(slot);
-        loss.poisonous.push_back(slot);
+      ++generation->attempts[slot];
+      if (!generation->settled[slot] && generation->attempts[slot] >= limits_.attempts &&
+          !is_held_elsewhere({out.batch.generation, slot})) {
+        settle_slot(*generation, slot);
+        loss.poisonous.push_back({out.batch.generation, slot});
       }
     }
     wait_again(out);

@@ -1,11 +1,12 @@
-// What an individual takes at one worker, learned from its answers: the mean over about the last kMemory individuals.
-// It forgets when the job's size changes, and doubts a measurement that no later one confirms: a worker that was held
-// up once would otherwise be taken for slow for ever, because it is given nothing that could show the contrary.
+// What an individual takes at one worker, learned from its answers: for jobs of each size, the mean over about the last
+// kMemory individuals. It doubts measurements that no later one confirms: a worker that was held up once would
+// otherwise be taken for slow for ever, because it is given nothing that could show the contrary.
 #pragma once
 
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <vector>
 
 namespace coppice {
 
@@ -14,32 +15,45 @@ class MeasuredPace {
   static constexpr double kMemory = 50.0;  // individuals
   static constexpr double kDoubt = 0.7;    // what remains of the cost after a generation without an answer
 
+  static constexpr std::size_t kSizes = 16;  // the job sizes that were met last
+
   // An answer: so many individuals of `steps` walked steps took so long. REQUIRES: individuals >= 1.
   void add(std::chrono::nanoseconds elapsed, std::uint32_t individuals, std::uint64_t steps) {
-    if (steps != steps_) {
-      *this = MeasuredPace{};
-      steps_ = steps;
+    auto size = find(steps);
+    if (size == sizes_.end()) {
+      sizes_.resize(std::min(sizes_.size(), kSizes - 1));
+      size = sizes_.insert(sizes_.begin(), Size{.steps = steps});
     }
     const double count = individuals;
     const double each = static_cast<double>(elapsed.count()) / count;
-    weight_ = std::min(weight_, kMemory);
-    each_ += (each - each_) * count / (weight_ + count);
-    weight_ += count;
+    size->weight = std::min(size->weight, kMemory);
+    size->each += (each - size->each) * count / (size->weight + count);
+    size->weight += count;
     confirmed_ = true;
   }
   void begin_generation() {
-    each_ *= confirmed_ ? 1.0 : kDoubt;
+    for (Size& size : sizes_) {
+      size.each *= confirmed_ ? 1.0 : kDoubt;
+    }
     confirmed_ = false;
   }
   // Of an individual of `steps` walked steps; 0: not known.
   std::chrono::nanoseconds each(std::uint64_t steps) const {
-    return std::chrono::nanoseconds(steps == steps_ ? static_cast<std::int64_t>(each_) : 0);
+    const auto size = std::find_if(sizes_.begin(), sizes_.end(), [&](const Size& at) { return at.steps == steps; });
+    return std::chrono::nanoseconds(size == sizes_.end() ? 0 : static_cast<std::int64_t>(size->each));
   }
 
  private:
-  std::uint64_t steps_ = 0;
-  double each_ = 0.0;    // nanoseconds
-  double weight_ = 0.0;  // individuals
+  struct Size {
+    std::uint64_t steps = 0;
+    double each = 0.0;    // nanoseconds
+    double weight = 0.0;  // individuals
+  };
+  std::vector<Size>::iterator find(std::uint64_t steps) {
+    return std::find_if(sizes_.begin(), sizes_.end(), [&](const Size& at) { return at.steps == steps; });
+  }
+
+  std::vector<Size> sizes_;
   bool confirmed_ = true;
 };
 

@@ -13,6 +13,7 @@
 #include "common/error.hpp"
 #include "common/stop.hpp"
 #include "coordinator/dispatch/evaluator.hpp"
+#include "coordinator/dispatch/evaluator_pool.hpp"
 
 namespace coppice {
 
@@ -36,5 +37,9 @@ Result<void> check_choice(const EvaluatorChoice& choice);
 // `stop` outlives the evaluator. Errors name the flag: no such interface, a domain that is taken, no worker program.
 Result<std::unique_ptr<Evaluator>> open_evaluator(std::shared_ptr<const Chain> chain, const EvaluatorChoice& choice,
                                                   const StopFlag& stop);
+
+// The same for several runs at a time. REQUIRES: not serial.
+Result<std::unique_ptr<EvaluatorPool>> open_pool(std::shared_ptr<const Chain> chain, const EvaluatorChoice& choice,
+                                                 const StopFlag& stop);
 
 }  // namespace coppice

@@ -57,7 +57,7 @@ class RemoteFleet {
   // Whether, since the last call, somebody was heard who does not know of the run.
   bool take_stranger() { return std::exchange(stranger_, false); }
   // Slots that were given up since the last call: too many workers were lost with them.
-  std::vector<std::uint32_t> take_poisonous() { return std::exchange(poisonous_, {}); }
+  std::vector<Slot> take_poisonous() { return std::exchange(poisonous_, {}); }
 
  private:
   void refuse(const wire::Hello& hello);
@@ -76,7 +76,7 @@ class RemoteFleet {
   std::set<std::uint64_t> rejected_from_;  // sources of damaged samples: logged once each
   std::optional<LocalWorkers> local_;
   std::chrono::seconds hang_limit_;
-  std::vector<std::uint32_t> poisonous_;
+  std::vector<Slot> poisonous_;
   std::optional<Clock::time_point> without_worker_since_;
   Clock::time_point next_notice_;
   bool stranger_ = false;

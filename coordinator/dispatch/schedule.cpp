@@ -72,13 +72,13 @@ Offer next_offer(const InFlight& flight, std::span<const ReadyWorker> workers, c
 
 }  // namespace
 
-std::vector<Assignment> next_assignments(InFlight& flight, std::span<const ReadyWorker> workers, std::uint32_t most,
+std::vector<Assignment> next_assignments(InFlight& flight, std::span<const ReadyWorker> workers, const Horizon& horizon,
                                          InFlight::Time now) {
   std::vector<Assignment> assignments;
   if (flight.waiting() > 0) {
     const FleetPace fleet = fleet_pace(flight, workers, now);
     // Stays as it is while slots move from waiting to pending.
-    const double end = fleet.known() ? fleet.end(flight.waiting()) : 0.0;
+    const double end = fleet.known() ? fleet.end(flight.waiting() + horizon.coming) : 0.0;
     while (flight.waiting() > 0) {
       const Offer next = next_offer(flight, workers, fleet, now, end);
       if (next.worker == nullptr) {
@@ -86,12 +86,12 @@ std::vector<Assignment> next_assignments(InFlight& flight, std::span<const Ready
       }
       const WorkerId id = next.worker->id;
       const auto terms = terms_for(*next.worker, flight.backlog(id), next.slots);
-      const auto batch = flight.offer(id, std::min(next.slots, most), now, terms);
+      const auto batch = flight.offer(id, std::min(next.slots, horizon.most), now, terms);
       COPPICE_CHECK(batch.has_value());  // can_take()
       assignments.push_back({id, *batch, false});
     }
   }
-  if (flight.waiting() == 0 && !flight.done()) {
+  if (flight.waiting() == 0 && horizon.coming == 0 && !flight.done()) {
     for (const ReadyWorker& worker : workers) {
       const auto terms = terms_for(worker, flight.backlog(worker.id), flight.unsettled());
       if (const auto copy = flight.offer_copy(worker.id, now, terms)) {

@@ -22,10 +22,15 @@ struct Assignment {
   bool copy = false;
 };
 
+struct Horizon {
+  std::uint32_t most = 1;    // slots in a batch
+  std::uint32_t coming = 0;  // slots that will wait, but are not in the books yet
+};
+
 // Enters into the books what should go out now, and returns it in the order of sending: to the first that will be free
-// first; copies when nothing waits. A batch holds at most `most` slots.
+// first; copies when nothing waits and nothing comes.
 // REQUIRES: every worker is in the books; most >= 1.
-std::vector<Assignment> next_assignments(InFlight& flight, std::span<const ReadyWorker> workers, std::uint32_t most,
+std::vector<Assignment> next_assignments(InFlight& flight, std::span<const ReadyWorker> workers, const Horizon& horizon,
                                          InFlight::Time now);
 
 }  // namespace coppice

@@ -6,7 +6,11 @@
 namespace coppice {
 
 Result<std::unique_ptr<Evaluator>> SerialEvaluator::make(std::shared_ptr<const Chain> chain, const StopFlag& stop) {
-  return std::unique_ptr<Evaluator>(new SerialEvaluator(PreparedChain::make(std::move(chain)), stop));
+  return make(PreparedChain::make(std::move(chain)), stop);
+}
+
+std::unique_ptr<Evaluator> SerialEvaluator::make(std::shared_ptr<const PreparedChain> chain, const StopFlag& stop) {
+  return std::unique_ptr<Evaluator>(new SerialEvaluator(std::move(chain), stop));
 }
 
 Result<std::vector<Tally>> SerialEvaluator::evaluate(std::span<const Tree> trees, const Job& job) {

@@ -15,6 +15,8 @@ class SerialEvaluator : public Evaluator {
  public:
   // `stop` outlives the evaluator. Never fails; a Result because every way to open an evaluator is one.
   static Result<std::unique_ptr<Evaluator>> make(std::shared_ptr<const Chain> chain, const StopFlag& stop);
+  // On a chain that several share.
+  static std::unique_ptr<Evaluator> make(std::shared_ptr<const PreparedChain> chain, const StopFlag& stop);
 
   Result<std::vector<Tally>> evaluate(std::span<const Tree> trees, const Job& job) override;
   DispatchStatistics statistics() const override { return statistics_; }

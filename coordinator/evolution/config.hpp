@@ -142,6 +142,9 @@ Result<void> read_config(std::string_view toml, const std::string& name, EvolveC
 // Changes one key: "ga.population=200", "rollout.acting=policy". Errors name the assignment as after "--set".
 Result<void> apply_setting(std::string_view assignment, EvolveConfig& config);
 
+// Changes one key to the value that a text spells: "ga.population", "200". Errors name the key.
+Result<void> assign_text(std::string_view name, std::string_view value, EvolveConfig& config);
+
 // What can be checked only as a whole, or needs the vocabulary: elites fewer than the population, walks within
 // kMaxWalkedSteps, a schedule only where it can act, a pick rule that can be read, some weight above 0, rules that
 // speak of this vocabulary. Call it after the last change.

@@ -197,25 +197,25 @@ Result<void> load_config(const std::string& path, EvolveConfig& config) {
   return read_config(text, path, config);
 }
 
+Result<void> assign_text(std::string_view name, std::string_view value, EvolveConfig& config) {
+  const std::size_t dot = name.find('.');
+  const std::string_view section = dot == std::string_view::npos ? std::string_view() : name.substr(0, dot);
+  const std::string_view key = dot == std::string_view::npos ? name : name.substr(dot + 1);
+  const std::vector<ConfigKey> keys = keys_of(config);
+  if (section == "fitness" && key == kRuleKey) {
+    return bad_input("rules can be given only in a file, as [[fitness.rule]]");
+  }
+  const auto found = is_section(keys, section) ? find_key(keys, section, key) : find_key(keys, "", name);
+  return found ? assign(**found, value_of(value)) : tl::unexpected(found.error());
+}
+
 Result<void> apply_setting(std::string_view assignment, EvolveConfig& config) {
   const std::string place = fmt::format("--set {}", assignment);
   const std::size_t equals = assignment.find('=');
   if (equals == std::string_view::npos) {
     return bad_input(place + ": expected KEY=VALUE, such as ga.population=200");
   }
-  const std::string_view name = assignment.substr(0, equals);
-  const std::size_t dot = name.find('.');
-  const std::string_view section = dot == std::string_view::npos ? std::string_view() : name.substr(0, dot);
-  const std::string_view key = dot == std::string_view::npos ? name : name.substr(dot + 1);
-  const std::vector<ConfigKey> keys = keys_of(config);
-  if (section == "fitness" && key == kRuleKey) {
-    return bad_input(place + ": rules can be given only in a file, as [[fitness.rule]]");
-  }
-  const auto found = is_section(keys, section) ? find_key(keys, section, key) : find_key(keys, "", name);
-  if (!found) {
-    return in_context(place, found.error());
-  }
-  const auto ok = assign(**found, value_of(assignment.substr(equals + 1)));
+  const auto ok = assign_text(assignment.substr(0, equals), assignment.substr(equals + 1), config);
   return ok ? Result<void>() : in_context(place, ok.error());
 }
 

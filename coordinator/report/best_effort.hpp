@@ -9,7 +9,7 @@ namespace coppice {
 
 // Writes the text and flushes, as far as the system takes it. Never throws.
 inline void show(std::FILE* out, std::string_view text) noexcept {
-  std::fwrite(text.data(), 1, text.size(), out);
+  static_cast<void>(std::fwrite(text.data(), 1, text.size(), out));
   static_cast<void>(std::fflush(out));
 }
 

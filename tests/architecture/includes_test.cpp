@@ -32,9 +32,13 @@ const std::map<std::string, std::set<std::string>> kArrows = {
     {"coordinator/report",
      {"common", "common/tree", "common/chain", "common/fitness", "coordinator/learning", "coordinator/evolution",
       "coordinator/study", "coordinator/dispatch"}},
+    {"coordinator/sweep",
+     {"common", "common/tree", "common/chain", "coordinator/learning", "coordinator/dispatch", "coordinator/evolution",
+      "coordinator/report"}},
     {"coordinator/commands",
      {"common", "common/tree", "common/chain", "common/fitness", "coordinator", "coordinator/learning",
-      "coordinator/dispatch", "coordinator/bench", "coordinator/evolution", "coordinator/study", "coordinator/report"}},
+      "coordinator/dispatch", "coordinator/bench", "coordinator/evolution", "coordinator/study", "coordinator/report",
+      "coordinator/sweep"}},
     {"coordinator", {"common", "coordinator/commands", "coordinator/report"}},
 };
 

@@ -6,8 +6,10 @@
 #include <memory>
 #include <set>
 #include <signal.h>
+#include <thread>
 #include <vector>
 
+#include "coordinator/dispatch/evaluator_pool.hpp"
 #include "coordinator/dispatch/remote_evaluator.hpp"
 #include "coordinator/dispatch/serial_evaluator.hpp"
 #include "coordinator/evolution/evolve.hpp"
@@ -156,6 +158,65 @@ TEST_F(EvolutionOverWorkers, IsTheSerialOneWithAWorkerThatJoinsLate) {
   });
   EXPECT_TRUE(late.has_value());
   expect_serial_course(course);
+}
+
+// Several at once on one set of workers, one of which is killed.
+TEST_F(EvolutionOverWorkers, IsTheSerialOneForEveryRunOfAPool) {
+  RemoteOptions options;
+  options.local_workers = 2;
+  options.worker_program = COPPICE_WORKER_PROGRAM;
+  int batches = 0;
+  options.batch_sent = [&](pid_t pid) {
+    if (++batches == 40) {
+      kill(pid, SIGKILL);
+    }
+  };
+  auto pool = EvaluatorPool::open(chain_, options, stop_);
+  ASSERT_TRUE(pool.has_value()) << pool.error().message;
+  constexpr std::size_t kRuns = 5;
+  std::vector<Course> courses(kRuns);
+  std::vector<std::thread> threads;
+  for (Course& course : courses) {
+    threads.emplace_back([&] {
+      const auto evaluator = (*pool)->client();
+      course = run(*evaluator);
+    });
+  }
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
+  EXPECT_GT(batches, 40);
+  for (const Course& course : courses) {
+    expect_serial_course(course);
+  }
+}
+
+TEST_F(EvolutionOverWorkers, EndsEveryRunOfAPoolThatIsToldToStop) {
+  RemoteOptions options;
+  options.local_workers = 1;
+  options.worker_program = COPPICE_WORKER_PROGRAM;
+  auto pool = EvaluatorPool::open(chain_, options, stop_);
+  ASSERT_TRUE(pool.has_value()) << pool.error().message;
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 3; ++i) {
+    threads.emplace_back([&] {
+      EvolveConfig endless = config();
+      endless.ga.generations = kMaxGenerations;
+      EvolveHooks hooks;
+      hooks.generation_done = [&](const GenerationRecord& record, const Checkpoint&) -> Result<void> {
+        if (record.generation == 3) {
+          stop_.raise();
+        }
+        return {};
+      };
+      const auto evaluator = (*pool)->client();
+      const auto evolved = evolve(*chain_, endless, *evaluator, std::nullopt, hooks);
+      EXPECT_TRUE(evolved ? evolved->interrupted : evolved.error().kind == ErrorKind::interrupted);
+    });
+  }
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
 }
 
 }  // namespace

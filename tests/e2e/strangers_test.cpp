@@ -1,5 +1,6 @@
 // Whoever does not belong changes nothing: damaged and foreign samples are counted and dropped, and a worker of
 // another protocol version is refused with a message on both sides.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <memory>
 #include <spdlog/sinks/ostream_sink.h>
@@ -76,8 +77,12 @@ TEST_F(Strangers, WhoSpeakAnotherProtocolVersionAreRefusedWithAMessageOnBothSide
   }
   EXPECT_EQ(next.wait(), (e2e::Ending{1, 0}));
   const std::string said = next.rest_of_error();
-  EXPECT_NE(said.find("speaks protocol 2, this worker (version 99.0) speaks 3"), std::string::npos) << said;
-  EXPECT_NE(log_.str().find("it speaks protocol 3, this coordinator"), std::string::npos) << log_.str();
+  const std::uint32_t ours = wire::kProtocolVersion;
+  EXPECT_NE(said.find(fmt::format("speaks protocol {}, this worker (version 99.0) speaks {}", ours, ours + 1)),
+            std::string::npos)
+      << said;
+  EXPECT_NE(log_.str().find(fmt::format("it speaks protocol {}, this coordinator", ours + 1)), std::string::npos)
+      << log_.str();
   EXPECT_EQ(evaluator->statistics().workers_alive, 1U);
 }
 

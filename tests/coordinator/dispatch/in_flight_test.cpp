@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <gtest/gtest.h>
+#include <map>
 #include <set>
 
 #include "common/chain/random.hpp"
@@ -116,10 +117,11 @@ TEST(InFlight, MakesNoMoreCopiesThanItsLimit) {
 
 TEST(InFlight, ChargesLeftoversOfEarlierGenerationsToTheirWorker) {
   InFlight flight = two_workers({.ahead = 0});
-  flight.begin(1);
+  const GenerationId first = flight.begin(1);
   flight.offer(kAnn, 1, kStart, {.patience = 1s});
   const auto copy = flight.offer_copy(kBen, kStart + 1s, {.patience = 1s});
   flight.settle(copy->id, kBen, kStart);
+  flight.end(first);
   flight.begin(2);
   EXPECT_FALSE(flight.can_take(kAnn));  // still at work on the old batch
   EXPECT_TRUE(flight.can_take(kBen));
@@ -127,8 +129,8 @@ TEST(InFlight, ChargesLeftoversOfEarlierGenerationsToTheirWorker) {
 
 TEST(InFlight, SendsASlotThatKilledWorkersAloneAndGivesUpAtTheLimit) {
   InFlight flight({.ahead = 1, .attempts = 4, .isolate_after = 2});
-  flight.begin(5);
-  std::vector<std::uint32_t> poisonous;
+  const GenerationId generation = flight.begin(5);
+  std::vector<Slot> poisonous;
   std::uint64_t next = 1;
   for (int death = 0; death < 4; ++death) {
     const WorkerId worker{next++};
@@ -163,7 +165,7 @@ TEST(InFlight, SendsASlotThatKilledWorkersAloneAndGivesUpAtTheLimit) {
       flight.lose_worker(healthy, Farewell::left);
     }
   }
-  EXPECT_EQ(poisonous, std::vector<std::uint32_t>{0});
+  EXPECT_EQ(poisonous, (std::vector<Slot>{{generation, 0}}));
 }
 
 TEST(InFlight, ClearsTheSlotsOfALostWorkerThatComesBack) {
@@ -226,16 +228,45 @@ TEST(InFlight, DoesNotSuspectTheSlotsOfAWorkerThatLeft) {
 
 TEST(InFlight, AbandonsAGenerationAndStartsTheNext) {
   InFlight flight = two_workers({.ahead = 0});
-  flight.begin(3);
+  const GenerationId given_up = flight.begin(3);
   const auto old = flight.offer(kAnn, 3, kStart, {.patience = 1s});
-  flight.abandon();
+  flight.end(given_up);
   EXPECT_TRUE(flight.done());
   flight.begin(2);
   EXPECT_EQ(flight.settle(old->id, kAnn, kStart).kind, Settled::duplicate);
   EXPECT_EQ(flight.unsettled(), 2U);
 }
 
-// Whatever happens, in any order: every slot is settled exactly once and nothing is lost.
+TEST(InFlight, ServesSeveralGenerationsInOrderAndSettlesEachByItself) {
+  InFlight flight = two_workers();
+  const GenerationId first = flight.begin(3);
+  const GenerationId second = flight.begin(2);
+  EXPECT_EQ(flight.front(), first);
+  const auto a = flight.offer(kAnn, 9, kStart, {.patience = 1s});
+  ASSERT_TRUE(a);
+  EXPECT_EQ(a->count, 3U);  // no batch spans two
+  EXPECT_EQ(flight.front(), second);
+  const auto b = flight.offer(kBen, 9, kStart, {.patience = 1s});
+  ASSERT_TRUE(b);
+  EXPECT_EQ(b->generation, second);
+  EXPECT_EQ(b->first, 0U);
+  EXPECT_EQ(b->count, 2U);
+  flight.settle(b->id, kBen, kStart);
+  EXPECT_TRUE(flight.done(second));
+  EXPECT_FALSE(flight.done(first));
+  flight.end(second);
+  const auto loss = flight.lose_worker(kAnn, Farewell::died);
+  EXPECT_EQ(loss.batches, 1U);
+  EXPECT_EQ(flight.front(), first);
+  EXPECT_EQ(flight.waiting(), 3U);
+  flight.end(first);
+  EXPECT_TRUE(flight.done());
+  EXPECT_EQ(flight.waiting(), 0U);
+  EXPECT_EQ(flight.settle(a->id, kAnn, kStart).kind, Settled::foreign);
+}
+
+// Whatever happens, in any order, to several generations at once: every slot is settled exactly once and nothing is
+// lost.
 TEST(InFlight, SettlesEverySlotExactlyOnceUnderRandomFaults) {
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     Xoshiro256 random(seed);
@@ -246,46 +277,52 @@ TEST(InFlight, SettlesEverySlotExactlyOnceUnderRandomFaults) {
     std::vector<std::pair<BatchId, WorkerId>> out;
     std::uint64_t next_worker = 1;
     InFlight::Time now = kStart;
-    for (int generation = 0; generation < 4; ++generation) {
-      const auto slots = static_cast<std::uint32_t>(1 + random.below(60));
-      std::vector<int> settled(slots, 0);
-      flight.begin(slots);
-      for (int event = 0; !flight.done(); ++event) {
-        ASSERT_LT(event, 100'000) << "seed " << seed << ": stuck";
-        now += 100ms;
-        const std::uint64_t kind = random.below(100);
-        if (alive.empty() || kind < 4) {
-          const WorkerId worker{next_worker++};
-          alive.insert(worker);
-          flight.add_worker(worker, 1 + random.below(3));
-          continue;
-        }
-        const WorkerId worker = *std::next(alive.begin(), static_cast<std::ptrdiff_t>(random.below(alive.size())));
-        if (kind < 6) {
-          flight.lose_worker(worker, random.below(2) == 0 ? Farewell::died : Farewell::left);
-          alive.erase(worker);  // its answers may still come
-        } else if (kind < 50) {
-          if (const auto batch =
-                  flight.offer(worker, 1 + static_cast<std::uint32_t>(random.below(20)), now, {.patience = 1s})) {
-            out.emplace_back(batch->id, worker);
-          } else if (const auto copy = flight.offer_copy(worker, now, {.patience = 1s})) {
-            out.emplace_back(copy->id, worker);
-          }
-        } else if (!out.empty()) {
-          const std::size_t pick = random.below(out.size());
-          const auto [batch, from] = out[pick];
-          if (kind < 55) {
-            flight.give_back(batch, from);
-          } else {
-            const auto settlement = flight.settle(batch, from, now);
-            for (const std::uint32_t slot : settlement.fresh) {
-              ++settled[slot];
-            }
-          }
-          out.erase(out.begin() + static_cast<std::ptrdiff_t>(pick));
-        }
+    std::map<GenerationId, std::vector<int>> settled;
+    for (int begun = 0, event = 0; begun < 6 || !flight.done(); ++event) {
+      ASSERT_LT(event, 100'000) << "seed " << seed << ": stuck";
+      now += 100ms;
+      if (begun < 6 && (flight.done() || random.below(20) == 0)) {
+        const auto slots = static_cast<std::uint32_t>(1 + random.below(60));
+        settled.emplace(flight.begin(slots), std::vector<int>(slots, 0));
+        ++begun;
       }
-      EXPECT_TRUE(std::all_of(settled.begin(), settled.end(), [](int count) { return count == 1; })) << "seed " << seed;
+      const std::uint64_t kind = random.below(100);
+      if (alive.empty() || kind < 4) {
+        const WorkerId worker{next_worker++};
+        alive.insert(worker);
+        flight.add_worker(worker, 1 + random.below(3));
+        continue;
+      }
+      const WorkerId worker = *std::next(alive.begin(), static_cast<std::ptrdiff_t>(random.below(alive.size())));
+      if (kind < 6) {
+        flight.lose_worker(worker, random.below(2) == 0 ? Farewell::died : Farewell::left);
+        alive.erase(worker);  // its answers may still come
+      } else if (kind < 50) {
+        if (const auto batch =
+                flight.offer(worker, 1 + static_cast<std::uint32_t>(random.below(20)), now, {.patience = 1s})) {
+          out.emplace_back(batch->id, worker);
+        } else if (const auto copy = flight.offer_copy(worker, now, {.patience = 1s})) {
+          out.emplace_back(copy->id, worker);
+        }
+      } else if (!out.empty()) {
+        const std::size_t pick = random.below(out.size());
+        const auto [batch, from] = out[pick];
+        if (kind < 55) {
+          flight.give_back(batch, from);
+        } else {
+          const auto settlement = flight.settle(batch, from, now);
+          for (const std::uint32_t slot : settlement.fresh) {
+            ++settled.at(settlement.batch.generation)[slot];
+          }
+          if (!settlement.fresh.empty() && flight.done(settlement.batch.generation) && random.below(2) == 0) {
+            flight.end(settlement.batch.generation);
+          }
+        }
+        out.erase(out.begin() + static_cast<std::ptrdiff_t>(pick));
+      }
+    }
+    for (const auto& [id, counts] : settled) {
+      EXPECT_TRUE(std::all_of(counts.begin(), counts.end(), [](int count) { return count == 1; })) << "seed " << seed;
     }
   }
 }

@@ -7,14 +7,25 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(MeasuredPace, IsUnknownBeforeTheFirstAnswerAndForJobsOfAnotherSize) {
+TEST(MeasuredPace, KeepsJobsOfEverySizeApart) {
   MeasuredPace pace;
   EXPECT_EQ(pace.each(500), 0ns);
   pace.add(20ms, 10, 500);
   EXPECT_EQ(pace.each(500), 2ms);
   EXPECT_EQ(pace.each(501), 0ns);
   pace.add(50ms, 10, 50'000);
-  EXPECT_EQ(pace.each(50'000), 5ms);  // nothing of the other size is left in it
+  EXPECT_EQ(pace.each(50'000), 5ms);
+  EXPECT_EQ(pace.each(500), 2ms);
+}
+
+TEST(MeasuredPace, RemembersTheLastSizesOnly) {
+  MeasuredPace pace;
+  for (std::uint64_t steps = 1; steps <= 100; ++steps) {
+    pace.add(1ms, 1, steps);
+  }
+  EXPECT_EQ(pace.each(1), 0ns);
+  EXPECT_EQ(pace.each(100), 1ms);
+  EXPECT_EQ(pace.each(100 - MeasuredPace::kSizes + 1), 1ms);
 }
 
 TEST(MeasuredPace, WeighsAnswersByTheirIndividuals) {

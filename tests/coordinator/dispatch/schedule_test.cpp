@@ -40,16 +40,16 @@ class Play {
   // How long a generation takes.
   Duration generation(std::uint32_t slots) {
     const Time begin = now_;
-    flight_.begin(slots);
+    const GenerationId generation = flight_.begin(slots);
     for (int event = 0; !flight_.done(); ++event) {
       EXPECT_LT(event, kMostEvents) << "stuck";
       if (event >= kMostEvents) {
-        flight_.abandon();
         break;
       }
       hand_out();
       pass_time();
     }
+    flight_.end(generation);
     return now_ - begin;
   }
 
@@ -59,7 +59,7 @@ class Play {
     for (std::size_t i = 0; i < workers_.size(); ++i) {
       ready.push_back({WorkerId{i}, {1, workers_[i].measured ? workers_[i].each : 0ns}});
     }
-    for (const Assignment& assignment : next_assignments(flight_, ready, kMost, now_)) {
+    for (const Assignment& assignment : next_assignments(flight_, ready, {.most = kMost}, now_)) {
       Worker& worker = workers_[static_cast<std::size_t>(assignment.worker)];
       if (worker.held.empty()) {
         worker.free = now_ + kWay;

@@ -41,7 +41,7 @@ class Resume : public CommandLine {
 
 TEST_F(Resume, AfterTheCoordinatorWasKilledAgainAndAgainGivesTheSameResult) {
   write("other.coppice", read("study.coppice"));
-  const std::vector<std::string> settings = {"--seed", "4", "--set", "ga.generations=60", "--set", "ga.population=50"};
+  const std::vector<std::string> settings = {"--seed", "4", "--set", "ga.generations=900", "--set", "ga.population=50"};
   std::vector<std::string> alone = settings;
   alone.insert(alone.end(), {"--serial", "--json"});
   const auto expected = coppice_json(evolve("other.coppice", alone));
@@ -49,10 +49,10 @@ TEST_F(Resume, AfterTheCoordinatorWasKilledAgainAndAgainGivesTheSameResult) {
   std::vector<std::string> first = settings;
   first.insert(first.end(), {"--workers", "2", "--lines-every", "1"});
   Process killed(command(evolve("study.coppice", first)));
-  killed.await_error("evolve: 7/60");
+  killed.await_error("evolve: 70/900");
   killed.signal(SIGKILL);
   EXPECT_EQ(killed.wait().signal, SIGKILL);
-  for (const char* line : {"evolve: 20/60", "evolve: 41/60"}) {
+  for (const char* line : {"evolve: 200/900", "evolve: 400/900"}) {
     Process again(command(evolve("study.coppice", {"--resume", "--workers", "2", "--lines-every", "1"})));
     again.await_error(line);
     again.signal(SIGKILL);

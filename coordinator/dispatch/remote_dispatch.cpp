@@ -1,0 +1,400 @@
+#include "coordinator/dispatch/remote_dispatch.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "common/check.hpp"
+#include "common/version.hpp"
+#include "common/wire/codec.hpp"
+#include "coordinator/dispatch/schedule.hpp"
+
+namespace coppice {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::chrono::milliseconds kTendInterval{100};  // child processes and the wait limit are looked at this often
+constexpr std::chrono::milliseconds kSettlingInterval{5};  // new workers are looked at this often
+constexpr std::size_t kMostPerTake = 1024;
+constexpr std::ptrdiff_t kMostReason = 200;  // characters of a worker's reason that are logged
+// A tree's meaning is found in about 0.8 us; individuals whose walks take fewer steps are evaluated sooner than that
+// saves. The worker that holds several of one meaning evaluates them once all the same.
+constexpr std::uint64_t kStepsWorthSeeking = 5000;
+constexpr std::chrono::microseconds kPaceWorthSeeking{20};
+
+}  // namespace
+
+RemoteDispatch::RemoteDispatch(std::shared_ptr<const Chain> chain, RemoteOptions options, const StopFlag& stop,
+                               RemoteEndpoints endpoints)
+    : chain_(std::move(chain)),
+      chain_bytes_(to_bytes(*chain_)),
+      options_(std::move(options)),
+      stop_(stop),
+      run_{wire::random_identity(), hash_of(chain_bytes_)},
+      dds_(std::move(endpoints)),
+      wake_(stop.on_raise([this] { dds_.waiter.wake(); })),
+      flight_(options_.limits),
+      fleet_(dds_, run_, flight_, statistics_),
+      meanings_(*chain_) {}
+
+RemoteDispatch::~RemoteDispatch() {
+  fleet_.dismiss();  // while DDS still acknowledges what the workers say last
+}
+
+Result<std::unique_ptr<RemoteDispatch>> RemoteDispatch::open(std::shared_ptr<const Chain> chain, RemoteOptions options,
+                                                             const StopFlag& stop) {
+  auto endpoints = RemoteEndpoints::open(options.domain, options.interface);
+  if (!endpoints) {
+    return tl::unexpected(endpoints.error());
+  }
+  std::unique_ptr<RemoteDispatch> evaluator(
+      new RemoteDispatch(std::move(chain), std::move(options), stop, std::move(*endpoints)));
+  if (auto ok = evaluator->announce(); !ok) {
+    return tl::unexpected(ok.error());
+  }
+  if (evaluator->options_.local_workers > 0) {
+    auto flags = evaluator->options_.worker_flags;
+    flags.resize(evaluator->options_.local_workers);
+    auto local = LocalWorkers::start(evaluator->options_.worker_program, flags, evaluator->domain());
+    if (!local) {
+      return tl::unexpected(local.error());
+    }
+    evaluator->fleet_.adopt(std::move(*local));
+  }
+  return evaluator;
+}
+
+Result<void> RemoteDispatch::announce() {
+  wire::Control control{};
+  control.protocol = wire::kProtocolVersion;
+  control.run_id = run_.run_id;
+  wire::put_text(control.version, kVersion);
+  wire::put_text(control.host, wire::host_name());
+  control.pid = static_cast<std::uint32_t>(getpid());
+  control.chain = wire::to_wire(run_.chain);
+  control.chain_size = chain_bytes_.size();
+  return dds_.control.write(control);
+}
+
+Result<void> RemoteDispatch::check_objectives(const Job& job) {
+  if (auto ok = check_job(job); !ok) {
+    return ok;
+  }
+  if (auto ok = check_solvable(job, chain_->states()); !ok) {
+    return ok;
+  }
+  if (job.objectives == checked_objectives_) {
+    return {};
+  }
+  for (const Objective& objective : job.objectives) {
+    if (const auto table = make_score_table(*chain_, objective); !table) {
+      return tl::unexpected(table.error());
+    }
+  }
+  checked_objectives_ = job.objectives;
+  return {};
+}
+
+bool RemoteDispatch::worth_seeking_repeats(const Job& job) const {
+  if (job.method != Method::rollouts || tally_steps(job) >= kStepsWorthSeeking) {
+    return true;
+  }
+  const auto& workers = fleet_.workers();
+  return std::any_of(workers.begin(), workers.end(), [&](const auto& entry) {
+    return entry.second.pace().each(tally_steps(job)) >= kPaceWorthSeeking;
+  });
+}
+
+Result<RequestId> RemoteDispatch::submit(std::span<const Tree> trees, const Job& job) {
+  if (auto ok = check_objectives(job); !ok) {
+    return tl::unexpected(ok.error());
+  }
+  if (open_.empty()) {
+    last_settled_ = Clock::now();
+    matching_changed_ = true;
+  }
+  if (begun_ >= open_.size()) {
+    fleet_.begin();
+    begun_ = 0;
+  }
+  ++begun_;
+  const RequestId id{next_request_++};
+  open_.emplace(id, Open{RemoteRequest(trees, job, worth_seeking_repeats(job)), {}});
+  return id;
+}
+
+bool RemoteDispatch::done(RequestId id) const {
+  const Open& open = open_.at(id);
+  return open.request.unseen() == 0 && std::all_of(open.portions.begin(), open.portions.end(),
+                                                   [&](GenerationId portion) { return flight_.done(portion); });
+}
+
+RemoteDispatch::Finished RemoteDispatch::take(RequestId id) {
+  COPPICE_CHECK(done(id));
+  const auto open = open_.find(id);
+  std::vector<Tally> tallies = open->second.request.take_tallies();
+  statistics_.individuals += tallies.size();
+  Finished finished{std::move(tallies), open->second.request.repeated()};
+  statistics_.repeated += finished.repeated;
+  close(open);
+  return finished;
+}
+
+void RemoteDispatch::close(std::map<RequestId, Open>::iterator open) {
+  for (const GenerationId portion : open->second.portions) {
+    flight_.end(portion);
+    portions_.erase(portion);
+  }
+  open_.erase(open);
+}
+
+void RemoteDispatch::abandon() {
+  while (!open_.empty()) {
+    close(open_.begin());
+  }
+}
+
+// The next trees of every request: into the books.
+void RemoteDispatch::see_portions() {
+  for (auto& [id, open] : open_) {
+    if (open.request.unseen() == 0) {
+      continue;
+    }
+    const std::uint32_t first = open.request.to_send();
+    const std::uint32_t count = open.request.see_portion(meanings_);
+    if (count > 0) {
+      const GenerationId portion = flight_.begin(count);
+      open.portions.push_back(portion);
+      portions_.emplace(portion, Portion{id, first});
+    }
+  }
+}
+
+Result<void> RemoteDispatch::await_workers(std::size_t count) {
+  last_settled_ = Clock::now();
+  while (ready_pids().size() < count) {
+    if (auto ok = act(); !ok) {
+      return ok;
+    }
+    sleep();
+  }
+  return {};
+}
+
+Result<void> RemoteDispatch::act() {
+  if (stop_.raised()) {
+    return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+  }
+  listen();
+  const auto now = Clock::now();
+  if (auto ok = tend(now); !ok) {
+    return ok;
+  }
+  give_up(fleet_.take_poisonous());
+  see_portions();
+  hand_out(now);
+  return {};
+}
+
+void RemoteDispatch::sleep() {
+  if (std::any_of(open_.begin(), open_.end(), [](const auto& open) { return open.second.request.unseen() > 0; })) {
+    return;
+  }
+  const auto now = Clock::now();
+  std::chrono::nanoseconds time = settling_ ? kSettlingInterval : kTendInterval;
+  if (const auto due = flight_.next_due(); due && *due > now) {
+    time = std::min<std::chrono::nanoseconds>(time, *due - now);
+  }
+  matching_changed_ = dds_.waiter.wait(time);
+}
+
+DispatchStatistics RemoteDispatch::statistics() const {
+  DispatchStatistics statistics = statistics_;
+  statistics.workers_alive = ready_pids().size();
+  return statistics;
+}
+
+bool RemoteDispatch::is_ours(std::uint32_t protocol, std::uint64_t run_id, const coppice_wire_ChainId& chain) const {
+  return protocol == wire::kProtocolVersion && run_id == run_.run_id && wire::from_wire(chain) == run_.chain;
+}
+
+void RemoteDispatch::listen() {
+  dds_.hellos.take(kMostPerTake,
+                   [this](const wire::Hello& hello, const dds_sample_info_t& info) { fleet_.hear(hello, info); });
+  dds_.requests.take(kMostPerTake, [this](const wire::ChainRequest& request, const dds_sample_info_t& info) {
+    if (info.valid_data) {
+      take(request);
+    }
+  });
+  dds_.answers.take(kMostPerTake, [this](const wire::Answer& answer, const dds_sample_info_t& info) {
+    if (info.valid_data) {
+      take(answer);
+    }
+  });
+  const auto now = Clock::now();
+  settling_ = false;
+  for (auto& [id, worker] : fleet_.workers()) {
+    if (matching_changed_ || !worker.ready()) {
+      worker.look(now);
+    }
+    settling_ = settling_ || worker.settling();
+    worker.send_blocks(chain_bytes_, run_);
+  }
+}
+
+void RemoteDispatch::take(const wire::ChainRequest& request) {
+  RemoteWorker* const worker = fleet_.find(WorkerId{request.worker});
+  if (!is_ours(request.protocol, request.run_id, request.chain)) {
+    fleet_.reject("a request for a chain that this run does not hold", request.worker);
+  } else if (worker != nullptr) {
+    worker->request_blocks(request.first, request.count);
+  }  // else its Hello is still on the way: it asks again
+}
+
+void RemoteDispatch::take(const wire::Answer& answer) {
+  if (!is_ours(answer.protocol, answer.run_id, answer.chain)) {
+    fleet_.reject("an answer of another run", answer.worker);
+    return;
+  }
+  const BatchId batch{answer.batch};
+  const WorkerId id{answer.worker};
+  switch (answer.outcome) {
+    case coppice_wire_EVALUATED:
+      settle(answer);
+      return;
+    case coppice_wire_CHAIN_UNKNOWN:
+      if (RemoteWorker* worker = fleet_.find(id); worker != nullptr) {
+        worker->lacks_chain();  // until its next Hello says otherwise
+      }
+      break;
+    case coppice_wire_GIVEN_BACK:
+      break;
+    case coppice_wire_REFUSED: {
+      const auto text = wire::view(answer.payload);
+      const std::string reason(text.begin(), text.begin() + std::min(std::ssize(text), kMostReason));
+      fleet_.reject(fmt::format("it refused a batch: {}", wire::shown(reason.c_str())), answer.worker);
+      fleet_.ban(id, "refused a batch");
+      return;
+    }
+  }
+  if (flight_.give_back(batch, id)) {
+    ++statistics_.requeued;
+  }
+}
+
+void RemoteDispatch::settle(const wire::Answer& answer) {
+  const BatchId id{answer.batch};
+  const WorkerId from{answer.worker};
+  statistics_.received_bytes += answer.payload._length;
+  const auto out = flight_.find(id, from);
+  if (!out || !out->current) {
+    flight_.settle(id, from, Clock::now());  // of an earlier generation: frees the worker's credit
+    ++statistics_.duplicates;
+    return;
+  }
+  const Portion& portion = portion_of(out->batch);
+  RemoteRequest& request = open_.at(portion.request).request;
+  const std::uint32_t first = portion.first + out->batch.first;
+  auto tallies = wire::decode_tallies(wire::view(answer.payload), out->batch.count, request.job().objectives.size());
+  if (!tallies || !request.fits(*tallies, first)) {
+    fleet_.reject(tallies ? "an answer to another batch" : tallies.error().message, answer.worker);
+    fleet_.ban(from, "sent a damaged answer");
+    return;
+  }
+  const auto now = Clock::now();
+  const auto settlement = flight_.settle(id, from, now);
+  if (settlement.fresh.empty()) {
+    ++statistics_.duplicates;
+    return;
+  }
+  last_settled_ = now;
+  request.add_repeated(std::min(answer.repeated, out->batch.count));
+  for (const std::uint32_t slot : settlement.fresh) {
+    request.settle(portion.first + slot, std::move((*tallies)[slot - out->batch.first]));
+  }
+  if (RemoteWorker* worker = fleet_.find(from); worker != nullptr) {
+    // No longer than it was away, whatever it says.
+    const auto away = static_cast<std::uint64_t>(std::chrono::nanoseconds(last_settled_ - out->sent).count());
+    worker->pace().add(std::chrono::nanoseconds(std::min(answer.elapsed_ns, away)), out->batch.count, request.steps());
+  }
+}
+
+Result<void> RemoteDispatch::tend(Clock::time_point now) {
+  if (now < next_tending_) {
+    return {};
+  }
+  next_tending_ = now + kTendInterval;
+  if (fleet_.take_stranger()) {
+    if (auto ok = announce(); !ok) {
+      spdlog::warn("{}", ok.error().message);
+    }
+  }
+  std::uint64_t steps = 0;
+  for (const auto& [id, open] : open_) {
+    steps = std::max(steps, open.request.steps());
+  }
+  fleet_.tend(now, steps);
+  if (!open_.empty() && now - last_settled_ > options_.wait_limit && !fleet_.workers().empty()) {
+    return failed(fmt::format("no batch was answered for {} s; what was evaluated is kept",
+                              std::chrono::duration_cast<std::chrono::seconds>(options_.wait_limit).count()));
+  }
+  return fleet_.wait_for_worker(now, options_.wait_limit, options_.interface);
+}
+
+void RemoteDispatch::give_up(const std::vector<Slot>& slots) {
+  for (const Slot& slot : slots) {
+    const Portion& portion = portions_.at(slot.generation);
+    const std::uint32_t given_up = open_.at(portion.request).request.give_up(portion.first + slot.index);
+    spdlog::error("slot {} is given the worst fitness: {} workers were lost while they held it", given_up,
+                  options_.limits.attempts);
+  }
+}
+
+void RemoteDispatch::hand_out(Clock::time_point now) {
+  if (flight_.done()) {
+    return;
+  }
+  // Batches of requests with other jobs may be sized a little wrong by this, which costs time only.
+  const GenerationId front = flight_.front().value_or(portions_.begin()->first);
+  const std::uint64_t steps = open_.at(portions_.at(front).request).request.steps();
+  Horizon horizon{.most = static_cast<std::uint32_t>(wire::kMaxTreesPerTask)};
+  for (const auto& [id, open] : open_) {
+    horizon.most = std::min(horizon.most, open.request.most_per_task());
+    horizon.coming += open.request.unseen();
+  }
+  std::vector<ReadyWorker> ready;
+  ready.reserve(fleet_.workers().size());
+  for (const auto& [id, worker] : fleet_.workers()) {
+    if (worker.ready()) {
+      ready.push_back({id, {worker.lanes(), worker.pace().each(steps)}});
+    }
+  }
+  for (const Assignment& assignment : next_assignments(flight_, ready, horizon, now)) {
+    RemoteWorker* const worker = fleet_.find(assignment.worker);
+    COPPICE_CHECK(worker != nullptr);
+    if (send(*worker, assignment.batch) && assignment.copy) {
+      spdlog::debug("worker {} got a copy of a late batch", worker->name());
+      ++statistics_.copies;
+    }
+  }
+}
+
+bool RemoteDispatch::send(RemoteWorker& worker, const Batch& batch) {
+  const Portion& portion = portion_of(batch);
+  const auto payload = open_.at(portion.request).request.task(portion.first + batch.first, batch.count);
+  if (auto ok = worker.send_task(batch, payload, run_, Clock::now()); !ok) {
+    spdlog::warn("worker {}: {}", worker.name(), ok.error().message);
+    flight_.give_back(batch.id, worker.id());
+    return false;
+  }
+  ++statistics_.batches;
+  statistics_.sent_bytes += payload.size();
+  if (options_.batch_sent) {
+    options_.batch_sent(worker.pid());
+  }
+  return true;
+}
+
+}  // namespace coppice

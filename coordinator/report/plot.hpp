@@ -1,0 +1,40 @@
+// Means with intervals, setting by setting, as a picture: gnuplot (http://gnuplot.info) draws it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/error.hpp"
+
+namespace coppice {
+
+struct PlotPoint {
+  double value = 0.0;
+  double low = 0.0;  // of the bar through it
+  double high = 0.0;
+};
+
+// One panel: a measure over all settings.
+struct PlotPanel {
+  std::string title;
+  std::vector<PlotPoint> points;  // one per setting
+};
+
+struct IntervalPlot {
+  std::string title;
+  std::vector<std::string> settings;  // labels, at least one
+  std::vector<PlotPanel> panels;      // at least one
+};
+
+// What gnuplot is told, without where to.
+std::string to_gnuplot(const IntervalPlot& plot);
+
+// Error: gnuplot is not on PATH.
+Result<void> check_gnuplot();
+
+// Writes an SVG, which appears whole or not at all. Errors: gnuplot is missing or fails; the file cannot be written.
+// REQUIRES: each panel has as many points as there are settings.
+Result<void> write_plot(const IntervalPlot& plot, const std::filesystem::path& path);
+
+}  // namespace coppice

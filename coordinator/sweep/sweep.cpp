@@ -1,0 +1,159 @@
+#include "coordinator/sweep/sweep.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <thread>
+
+#include "common/check.hpp"
+#include "common/tree/action_table.hpp"
+#include "common/tree/simplify.hpp"
+#include "common/tree/state_columns.hpp"
+#include "coordinator/learning/simulate.hpp"
+#include "coordinator/report/score.hpp"
+
+namespace coppice {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+class Sweep {
+ public:
+  Sweep(const Chain& chain, const World* world, const std::vector<SweepRun>& runs, const SweepSettings& settings,
+        const SweepHooks& hooks, const StopFlag& stop)
+      : chain_(chain),
+        world_(world),
+        runs_(runs),
+        settings_(settings),
+        hooks_(hooks),
+        stop_(stop),
+        columns_(chain.vocabulary(), chain.parts().features) {}
+
+  Result<void> run() {
+    COPPICE_CHECK(settings_.at_once >= 1);
+    std::vector<std::unique_ptr<Evaluator>> evaluators;
+    for (std::size_t i = 0; i < std::min(settings_.at_once, runs_.size()); ++i) {
+      evaluators.push_back(settings_.new_evaluator());
+    }
+    std::vector<std::thread> threads;
+    threads.reserve(evaluators.size());
+    for (const auto& evaluator : evaluators) {
+      threads.emplace_back([this, &evaluator] { take_runs(*evaluator); });
+    }
+    for (std::thread& thread : threads) {
+      thread.join();
+    }
+    if (error_) {
+      return tl::unexpected(*error_);
+    }
+    return {};
+  }
+
+ private:
+  bool ended() const {
+    const std::lock_guard lock(mutex_);
+    return error_.has_value();
+  }
+
+  void end(const Error& error) {
+    const std::lock_guard lock(mutex_);
+    if (!error_) {
+      error_ = error;
+    }
+  }
+
+  void take_runs(Evaluator& evaluator) {
+    for (std::size_t run = next_++; run < runs_.size() && !ended(); run = next_++) {
+      const auto result = evolve_one(runs_[run].config, evaluator);
+      if (!result) {
+        end(result.error());
+        return;
+      }
+      const std::lock_guard lock(hooks_mutex_);
+      if (ended()) {
+        return;
+      }
+      if (hooks_.run_done) {
+        if (auto ok = hooks_.run_done(run, *result); !ok) {
+          end(ok.error());
+          return;
+        }
+      }
+    }
+  }
+
+  Result<SweepResult> evolve_one(const EvolveConfig& config, Evaluator& evaluator) {
+    const Clock::time_point begin = Clock::now();
+    SweepResult result;
+    EvolveHooks hooks;
+    hooks.generation_done = [&](const GenerationRecord& record, const Checkpoint& checkpoint) -> Result<void> {
+      result.distinct += static_cast<double>(record.distinct_trees) / static_cast<double>(checkpoint.population.size());
+      if (stop_.raised() || ended()) {
+        return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+      }
+      if (hooks_.generation_done) {
+        const std::lock_guard lock(hooks_mutex_);
+        hooks_.generation_done();
+      }
+      return {};
+    };
+    const auto evolved = evolve(chain_, config, evaluator, std::nullopt, hooks);
+    if (!evolved) {
+      return tl::unexpected(evolved.error());
+    }
+    if (evolved->interrupted) {
+      return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+    }
+    result.distinct /= evolved->generations_done;
+    result.fitness = evolved->best.fitness;
+    result.agreement = evolved->best.agreement;
+    result.tree = simplify(evolved->best.tree, chain_.vocabulary(), columns_).tree;
+    result.nodes = result.tree.size();
+    result.coverage = coverage_of(result.tree);
+    if (world_ != nullptr) {
+      const auto episodes =
+          simulate_tree(*world_, chain_, result.tree, {.episodes = settings_.episodes, .steps = settings_.steps},
+                        [&] { return !stop_.raised() && !ended(); });
+      if (episodes.size() < settings_.episodes) {
+        return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+      }
+      const ControllerScore score = controller_score(episodes);
+      result.simulated = SweepResult::Simulated{score.agreement.mean, score.reward.mean, score.collisions.mean};
+    }
+    result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    return result;
+  }
+
+  double coverage_of(const Tree& tree) const {
+    const std::vector<ActionId> actions = action_table(tree, columns_);
+    const std::vector<ActionId>& policy = chain_.parts().policy;
+    std::size_t matches = 0;
+    for (std::size_t state = 0; state < actions.size(); ++state) {
+      matches += actions[state] == policy[state] ? 1 : 0;
+    }
+    return static_cast<double>(matches) / static_cast<double>(actions.size());
+  }
+
+  const Chain& chain_;
+  const World* world_;
+  const std::vector<SweepRun>& runs_;
+  const SweepSettings& settings_;
+  const SweepHooks& hooks_;
+  const StopFlag& stop_;
+  const StateColumns columns_;
+
+  std::atomic<std::size_t> next_{0};
+  std::mutex hooks_mutex_;
+  mutable std::mutex mutex_;
+  std::optional<Error> error_;
+};
+
+}  // namespace
+
+Result<void> sweep(const Chain& chain, const World* world, const std::vector<SweepRun>& runs,
+                   const SweepSettings& settings, const SweepHooks& hooks, const StopFlag& stop) {
+  return Sweep(chain, world, runs, settings, hooks, stop).run();
+}
+
+}  // namespace coppice
