@@ -90,6 +90,9 @@ int run(int argc, char** argv) {
   coppice::add_learn(app, invocation);
   coppice::add_evolve(app, invocation);
   coppice::add_score(app, invocation);
+  coppice::add_verify(app, invocation);
+  coppice::add_explain(app, invocation);
+  coppice::add_edit(app, invocation);
   coppice::add_prune(app, invocation);
   coppice::add_draw(app, invocation);
   coppice::add_front(app, invocation);
@@ -97,6 +100,8 @@ int run(int argc, char** argv) {
   coppice::add_evaluate(app, invocation);
   coppice::add_synth(app, invocation);
   coppice::add_info(app, invocation);
+  coppice::add_reproduce(app, invocation);
+  coppice::add_workers(app, invocation);
   coppice::add_sweep(app, invocation);
   coppice::add_bench(app, invocation);
   try {

@@ -1,20 +1,22 @@
 #!/usr/bin/env bash
 # Installs the Debian 12 packages that Coppice needs, those that are missing only.
 #   deploy/install-packages.sh           to build and run
-#   deploy/install-packages.sh tests     also to test
+#   deploy/install-packages.sh tests     also to test: hosts made of network namespaces, certificates, wrong clocks
+#   deploy/install-packages.sh slurm     also to test deploy/slurm
 #   deploy/install-packages.sh format    also for clang-format
 #   deploy/install-packages.sh lint      also for clang-tidy and fuzzing
 set -euo pipefail
 
 packages=(g++ cmake ninja-build cyclonedds-dev cyclonedds-tools libcli11-dev
   libtomlplusplus-dev libsqlitecpp-dev libsqlite3-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libexpected-dev
-  libxxhash-dev libeigen3-dev libsuitesparse-dev graphviz gnuplot-nox)
+  libxxhash-dev libeigen3-dev libsuitesparse-dev libssl-dev openssl graphviz gnuplot-nox)
 for group in "$@"; do
   case $group in
-    tests) packages+=(libgtest-dev) ;;
+    tests) packages+=(libgtest-dev iproute2 nftables ethtool faketime) ;;
+    slurm) packages+=(slurm-wlm) ;;
     format) packages+=(clang-format-14) ;;
     lint) packages+=(clang-tidy-19 clang-19 libclang-rt-19-dev) ;;
-    *) echo "deploy/install-packages.sh: no group '$group': expected tests, format or lint" >&2; exit 2 ;;
+    *) echo "deploy/install-packages.sh: no group '$group': expected tests, slurm, format or lint" >&2; exit 2 ;;
   esac
 done
 

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "common/chain/bytes.hpp"
-#include "common/wire/configuration.hpp"
 #include "common/wire/topics.hpp"
 #include "common/wire/waiter.hpp"
 
@@ -35,7 +34,7 @@ void answer(const wire::Task& task, std::uint64_t identity, std::vector<std::uin
 }  // namespace
 
 Result<void> echo(const ServeOptions& options, const StopFlag& stop) {
-  const auto configuration = wire::worker_configuration(options.coordinator, options.domain);
+  const auto configuration = wire::worker_configuration(options.coordinator, options.domain, options.network);
   if (!configuration) {
     return tl::unexpected(configuration.error());
   }

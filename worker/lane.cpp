@@ -109,7 +109,7 @@ Lane::Outcome Lane::evaluate(const wire::Task& task) {
   }
   const auto decoded = wire::decode_task(wire::view(task.payload), chain->chain().vocabulary());
   if (!decoded) {
-    spdlog::warn("refused a task: {}", decoded.error().message);
+    spdlog::warn("refused a task: {}", wire::shown(decoded.error().message.c_str()));
     return {.kind = coppice_wire_REFUSED, .payload = as_bytes(decoded.error().message)};
   }
   if (auto ok = prepare(chain, decoded->job); !ok) {

@@ -33,6 +33,7 @@ struct WorkerState {
   ChainStore chains;
 
   void leave();  // from now on
+  void come_back() { leaving = false; }
   // Sleeps. False: leaving, before the time has come.
   bool rest_until(std::chrono::steady_clock::time_point time);
 

@@ -11,7 +11,7 @@
 #include "common/duration.hpp"
 #include "common/stop.hpp"
 #include "common/version.hpp"
-#include "common/wire/configuration.hpp"
+#include "common/wire/credentials.hpp"
 #include "common/wire/topics.hpp"
 #include "worker/echo.hpp"
 #include "worker/serve.hpp"
@@ -19,6 +19,7 @@
 namespace {
 
 constexpr std::uint32_t kMaxThreads = 1024;
+constexpr std::uint32_t kMaxPort = 65535;
 constexpr int kWrongUse = 2;
 
 // A worker that a coordinator started dies with it, also when that was killed.
@@ -35,6 +36,7 @@ int run(int argc, char** argv) {
   pid_t parent = 0;
   std::string log_level = "info";
   std::string pace;
+  std::string security;
   bool echoes = false;
   app.set_version_flag(
       "--version", fmt::format("coppice-worker {} (protocol {})", coppice::kVersion, coppice::wire::kProtocolVersion));
@@ -42,6 +44,15 @@ int run(int argc, char** argv) {
   app.add_option("--domain", options.domain, "DDS domain; the coordinator listens on UDP port 7410 + 250 x domain")
       ->check(CLI::Range(0U, coppice::wire::kMaxDomain))
       ->capture_default_str();
+  app.add_option("--port", options.network.port,
+                 "UDP port to listen on, if a firewall must let one through (default: one that the system chooses)")
+      ->type_name("PORT")
+      ->check(CLI::Range(1U, kMaxPort));
+  app.add_option("--security", security,
+                 "Folder of this worker's identity under DDS Security (deploy/security/make-certificates.sh makes it)")
+      ->type_name("DIR");
+  app.add_flag("--lossy", options.network.lossy,
+               "For a network that loses packets or passes only small ones; its coordinator should have it too");
   app.add_option("--threads", options.threads, "Evaluating threads")
       ->check(CLI::Range(1U, kMaxThreads))
       ->capture_default_str();
@@ -74,13 +85,20 @@ int run(int argc, char** argv) {
     }
     options.pace = *duration;
   }
+  if (!security.empty()) {
+    if (const auto checked = coppice::wire::check_credentials(security); !checked) {
+      spdlog::error("{}", checked.error().message);
+      return kWrongUse;
+    }
+    options.network.security = security;
+  }
   if (parent != 0 && !follow_parent(parent)) {
     return 0;
   }
   coppice::block_stop_signals();
   coppice::StopFlag stop;
   const coppice::StopOnSignals signals(stop);
-  coppice::wire::route_dds_log([](const char* line) { spdlog::debug("dds: {}", line); });
+  coppice::wire::route_dds_log([](const char* line) { spdlog::debug("dds: {}", coppice::wire::shown(line)); });
   const auto outcome = echoes ? coppice::echo(options, stop) : coppice::serve(options, stop);
   if (!outcome) {
     spdlog::error("{}", outcome.error().message);

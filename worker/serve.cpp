@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <chrono>
+#include <condition_variable>
 #include <fmt/format.h>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <spdlog/spdlog.h>
+#include <thread>
 #include <unistd.h>
 #include <vector>
 
-#include "common/wire/configuration.hpp"
 #include "worker/lane.hpp"
 
 namespace coppice {
@@ -20,25 +22,54 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kHelloInterval{250};
 constexpr std::chrono::milliseconds kBlockStall{500};  // without a block for this long, the missing are asked for again
 constexpr std::int64_t kFarewellMs = 1000;  // for the coordinator to receive the last answers and the last Hello
+// Without a coordinator for this long, a worker starts over as if it were new: its coordinator's name may stand for
+// another address by now, and DDS 0.10 does not always find its way back after a long time apart.
+constexpr std::chrono::seconds kLonely{30};
+constexpr std::chrono::seconds kRetry{1};           // when it cannot even look
+constexpr std::chrono::seconds kComplainEvery{60};  // about that
 constexpr std::size_t kMostPerTake = 256;
 constexpr int kMostFailedChains = 3;
 static_assert(ChainStore::kMaxChains <= coppice_wire_MAX_CHAINS_HELD);
 
+// Sleeps, but not past the stop flag.
+class Rest {
+ public:
+  explicit Rest(const StopFlag& stop)
+      : stop_(stop), wake_(stop.on_raise([this] {
+          const std::lock_guard lock(mutex_);
+          raised_.notify_all();
+        })) {}
+
+  void for_a_while(std::chrono::milliseconds time) {
+    std::unique_lock lock(mutex_);
+    raised_.wait_for(lock, time, [this] { return stop_.raised(); });
+  }
+
+ private:
+  const StopFlag& stop_;
+  std::mutex mutex_;
+  std::condition_variable raised_;
+  StopFlag::Wake wake_;  // last: gone before what it uses
+};
+
 class Server {
  public:
-  static Result<std::unique_ptr<Server>> open(const ServeOptions& options);
+  // `state` outlives it.
+  static Result<std::unique_ptr<Server>> open(const ServeOptions& options, WorkerState& state);
   ~Server() { stop_lanes(); }
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
+  // Until `stop` is raised, or nobody has been there for kLonely.
   Result<void> run(const StopFlag& stop);
 
  private:
-  Server(const ServeOptions& options, wire::Participant participant, wire::Waiter waiter,
+  Server(const ServeOptions& options, WorkerState& state, wire::Participant participant, wire::Waiter waiter,
          wire::Reader<wire::Control> controls, wire::Reader<wire::Task> tasks, wire::Reader<wire::ChainBlock> blocks,
          wire::Writer<wire::Hello> hellos, wire::Writer<wire::Answer> answers,
          wire::Writer<wire::ChainRequest> requests)
       : options_(options),
+        state_(state),
         participant_(std::move(participant)),
         waiter_(std::move(waiter)),
         controls_(std::move(controls)),
@@ -59,7 +90,7 @@ class Server {
   void leave();
 
   const ServeOptions options_;
-  WorkerState state_;
+  WorkerState& state_;
   wire::Participant participant_;
   wire::Waiter waiter_;
   wire::Reader<wire::Control> controls_;
@@ -74,11 +105,12 @@ class Server {
   int failed_chains_ = 0;            // in a row
   std::uint32_t requested_end_ = 0;  // blocks before it have been asked for
   Clock::time_point last_block_;
+  Clock::time_point alone_since_ = Clock::now();
   Clock::time_point next_hello_;
 };
 
-Result<std::unique_ptr<Server>> Server::open(const ServeOptions& options) {
-  const auto configuration = wire::worker_configuration(options.coordinator, options.domain);
+Result<std::unique_ptr<Server>> Server::open(const ServeOptions& options, WorkerState& state) {
+  const auto configuration = wire::worker_configuration(options.coordinator, options.domain, options.network);
   if (!configuration) {
     return tl::unexpected(configuration.error());
   }
@@ -86,8 +118,7 @@ Result<std::unique_ptr<Server>> Server::open(const ServeOptions& options) {
   if (!participant) {
     return tl::unexpected(participant.error());
   }
-  const std::uint64_t identity = wire::random_identity();
-  const std::string partition = wire::partition_of(identity);
+  const std::string partition = wire::partition_of(state.worker);
   auto waiter = wire::Waiter::make(*participant);
   auto controls = wire::Reader<wire::Control>::make(*participant);
   auto tasks = wire::Reader<wire::Task>::make(*participant, partition);
@@ -109,12 +140,9 @@ Result<std::unique_ptr<Server>> Server::open(const ServeOptions& options) {
   if (error) {
     return tl::unexpected(*error);
   }
-  std::unique_ptr<Server> server(new Server(options, std::move(*participant), std::move(*waiter), std::move(*controls),
-                                            std::move(*tasks), std::move(*blocks), std::move(*hellos),
-                                            std::move(*answers), std::move(*requests)));
-  server->state_.worker = identity;
-  server->state_.protocol = options.protocol;
-  server->state_.pace = options.pace;
+  std::unique_ptr<Server> server(new Server(options, state, std::move(*participant), std::move(*waiter),
+                                            std::move(*controls), std::move(*tasks), std::move(*blocks),
+                                            std::move(*hellos), std::move(*answers), std::move(*requests)));
   if (auto ok = server->start_lanes(); !ok) {
     return tl::unexpected(ok.error());
   }
@@ -135,8 +163,6 @@ Result<void> Server::start_lanes() {
 
 Result<void> Server::run(const StopFlag& stop) {
   const auto wake = stop.on_raise([this] { waiter_.wake(); });
-  spdlog::info("worker {:016x} looks for a coordinator at {} in domain {} (UDP port {})", state_.worker,
-               options_.coordinator, options_.domain, wire::coordinator_port(options_.domain));
   Result<void> outcome;
   while (outcome && !stop.raised()) {
     outcome = take_controls();
@@ -149,6 +175,11 @@ Result<void> Server::run(const StopFlag& stop) {
     }
     if (Clock::now() >= next_hello_) {
       say_hello();
+    }
+    if (state_.run_id != 0) {
+      alone_since_ = Clock::now();
+    } else if (Clock::now() - alone_since_ > kLonely) {
+      break;
     }
     waiter_.wait(next_hello_ - Clock::now());
   }
@@ -247,9 +278,10 @@ Result<void> Server::finish_chain() {
   assembly_.reset();
   if (!chain) {
     if (++failed_chains_ >= kMostFailedChains) {
-      return failed(fmt::format("chain {}: {} (in {} transfers)", hash.hex(), chain.error().message, failed_chains_));
+      return failed(fmt::format("chain {}: {} (in {} transfers)", hash.hex(),
+                                wire::shown(chain.error().message.c_str()), failed_chains_));
     }
-    spdlog::error("chain {}: {}", hash.hex(), chain.error().message);
+    spdlog::error("chain {}: {}", hash.hex(), wire::shown(chain.error().message.c_str()));
     state_.run_id = 0;  // the coordinator hears of it and announces its run again, which starts over
     say_hello();
     return {};
@@ -274,6 +306,7 @@ void Server::say_hello() {
   hello.threads = options_.threads;
   hello.evaluated = state_.evaluated;
   hello.leaving = state_.leaving;
+  hello.cores = std::thread::hardware_concurrency();
   std::vector<coppice_wire_ChainId> chains;
   for (const ChainHash& hash : state_.chains.held()) {
     chains.push_back(wire::to_wire(hash));
@@ -306,17 +339,39 @@ void Server::leave() {
   say_hello();
   answers_.wait_for_acknowledgements(kFarewellMs);
   hellos_.wait_for_acknowledgements(kFarewellMs);
-  spdlog::info("leaves after {} individuals", state_.evaluated.load());
 }
 
 }  // namespace
 
 Result<void> serve(const ServeOptions& options, const StopFlag& stop) {
-  auto server = Server::open(options);
-  if (!server) {
-    return tl::unexpected(server.error());
+  WorkerState state;
+  state.worker = wire::random_identity();
+  state.protocol = options.protocol;
+  state.pace = options.pace;
+  spdlog::info("worker {:016x} looks for a coordinator at {} in domain {} (UDP port {})", state.worker,
+               options.coordinator, options.domain, wire::coordinator_port(options.domain));
+  Rest rest(stop);
+  std::optional<Clock::time_point> complained;
+  while (!stop.raised()) {
+    auto server = Server::open(options, state);
+    if (server) {
+      complained.reset();
+      if (auto ok = (*server)->run(stop); !ok) {
+        return ok;
+      }
+      server->reset();  // its lanes with it
+      state.come_back();
+      continue;
+    }
+    // A host that is not up yet, a name that is not known yet, a network that is away: it may come.
+    if (!complained || Clock::now() - *complained > kComplainEvery) {
+      complained = Clock::now();
+      spdlog::warn("{}; trying again until it can be reached", server.error().message);
+    }
+    rest.for_a_while(kRetry);
   }
-  return (*server)->run(stop);
+  spdlog::info("leaves after {} individuals", state.evaluated.load());
+  return {};
 }
 
 }  // namespace coppice

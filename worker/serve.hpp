@@ -8,20 +8,23 @@
 
 #include "common/error.hpp"
 #include "common/stop.hpp"
+#include "common/wire/configuration.hpp"
 
 namespace coppice {
 
 struct ServeOptions {
   std::string coordinator = "127.0.0.1";
   std::uint32_t domain = 0;
+  wire::Network network;
   std::uint32_t threads = 1;
   std::chrono::nanoseconds pace{0};  // see WorkerState
   std::uint32_t protocol = 0;        // what this program speaks; coordinators that speak another are refused
   std::string version;
 };
 
-// Serves until `stop` is raised, then gives back what it holds and returns. Errors: no DDS, the coordinator does not
-// resolve, a coordinator of another protocol version.
+// Serves one coordinator after another until `stop` is raised, then gives back what it holds and returns. While there
+// is none, or none can be reached, it waits, and keeps the chains that it holds. Errors: a coordinator of another
+// protocol version; a chain that comes damaged again and again.
 Result<void> serve(const ServeOptions& options, const StopFlag& stop);
 
 }  // namespace coppice

@@ -39,6 +39,9 @@ class ExactOccupancy {
   // `chain` outlives this.
   explicit ExactOccupancy(const Chain& chain);
 
+  // As ReachedRows::set_probabilities(), for all calls that follow.
+  void set_probabilities(std::span<const double> probabilities) { rows_.set_probabilities(probabilities); }
+
   // The results are valid until the next call.
   const Occupancy& over_steps(const ActingTables& acting, std::uint32_t steps);
 

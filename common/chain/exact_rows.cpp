@@ -13,6 +13,11 @@ constexpr std::uint32_t kUnknown = 0xFFFFFFFF;
 
 ReachedRows::ReachedRows(const Chain& chain) : chain_(chain), numbers_(chain.states(), kUnknown) {}
 
+void ReachedRows::set_probabilities(std::span<const double> probabilities) {
+  COPPICE_CHECK(probabilities.empty() || probabilities.size() == chain_.transitions());
+  probabilities_ = probabilities;
+}
+
 void ReachedRows::begin(const ActingTables& acting) {
   COPPICE_CHECK(acting.actions.size() == chain_.states());
   COPPICE_CHECK(acting.others_share == 0.0 || acting.others.size() == chain_.states());
@@ -59,6 +64,13 @@ void ReachedRows::add_action(std::uint32_t state, std::uint8_t action, double sh
   }
   const auto successors = chain_.successors(row);
   const auto counts = chain_.counts(row);
+  if (!probabilities_.empty()) {
+    const auto of_row = probabilities_.subspan(chain_.parts().row_begin[row], successors.size());
+    for (std::size_t i = 0; i < successors.size(); ++i) {
+      add(number_of(successors[i]), share * of_row[i]);
+    }
+    return;
+  }
   for (std::size_t i = 0; i < successors.size(); ++i) {
     add(number_of(successors[i]), share * (static_cast<double>(counts[i]) / tries));
   }

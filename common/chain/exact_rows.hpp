@@ -32,6 +32,9 @@ class ReachedRows {
   // `chain` outlives this.
   explicit ReachedRows(const Chain& chain);
 
+  // From now on transition i of the chain has this probability instead of count / tries; empty: count / tries again.
+  // [transitions of the chain] REQUIRES: they outlive the calls of expand(); those of a row that is tried sum to 1.
+  void set_probabilities(std::span<const double> probabilities);
   // Forgets everything; only the initial state is discovered, as number 0.
   // REQUIRES: the tables outlive the calls of expand().
   void begin(const ActingTables& acting);
@@ -60,6 +63,7 @@ class ReachedRows {
   void add_action(std::uint32_t state, std::uint8_t action, double share);
 
   const Chain& chain_;
+  std::span<const double> probabilities_;
   ActingTables acting_;
   std::vector<std::uint32_t> numbers_;  // [states of the chain], kUnknown where not discovered
   std::vector<std::uint32_t> states_;

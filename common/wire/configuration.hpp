@@ -5,7 +5,10 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "common/error.hpp"
 
@@ -13,15 +16,32 @@ namespace coppice::wire {
 
 inline constexpr std::uint32_t kMaxDomain = 230;  // the largest whose ports fit 16 bits
 
-// UDP port on which the coordinator of a domain listens: 7410 + 250 x domain (DDSI-RTPS 9.6.1.1, participant 0).
+// The one UDP port on which the coordinator of a domain listens: 7410 + 250 x domain (DDSI-RTPS 9.6.1.1, participant
+// 0, discovery). We differ: RTPS puts data on the next port; ours comes to the same, so that one is to be opened.
 inline constexpr std::uint32_t coordinator_port(std::uint32_t domain) { return 7410 + 250 * domain; }
 
+// What a network asks for beyond where the coordinator is. All who meet must agree on `security`, and should on
+// `lossy`.
+struct Network {
+  std::filesystem::path security;  // folder of an identity (credentials.hpp); empty: nothing is signed or encrypted
+  // Packets that pass through any network in one piece (kSmallPacket), and repair within milliseconds. Costs a
+  // third of the throughput where nothing is ever lost.
+  bool lossy = false;
+  std::optional<std::uint16_t> port;  // worker: UDP port to listen on; else one that the system chooses
+};
+
+inline constexpr int kSmallPacket = 1152;  // bytes of UDP payload: leaves 100 bytes for encryption below IPv6's 1280
+
 // XML for the coordinator. `interface` is a network interface by name or address ("lo", "eth0", "192.0.2.7").
-std::string coordinator_configuration(const std::string& interface);
+std::string coordinator_configuration(const std::string& interface, const Network& network = {});
 
 // XML for a worker that finds its coordinator at an IPv4 address. The worker uses the interface from which the
 // machine's routes reach that address. Errors: the host does not resolve, there is no route.
-Result<std::string> worker_configuration(const std::string& coordinator_host, std::uint32_t domain);
+Result<std::string> worker_configuration(const std::string& coordinator_host, std::uint32_t domain,
+                                         const Network& network = {});
+
+// IPv4 addresses of this machine's interfaces, or of one, given by name or address.
+std::vector<std::string> addresses_of(const std::string& interface = {});
 
 // Errors: a name that is neither an interface of this machine nor an address of one, naming those that exist.
 Result<void> check_interface(const std::string& interface);

@@ -26,9 +26,10 @@ struct TopicQos {
 
 const TopicQos& qos_of(const dds_topic_descriptor_t& type) {
   static const std::string versioned = fmt::format("coppice_v{}_", kProtocolVersion);
-  static const std::array<TopicQos, 6> table = {{
+  static const std::array<TopicQos, 7> table = {{
       {&coppice_wire_Hello_desc, "coppice_Hello", true, 1, true},
       {&coppice_wire_Control_desc, "coppice_Control", true, 1, true},
+      {&coppice_wire_Fleet_desc, "coppice_Fleet", false, 1, false},
       {&coppice_wire_Task_desc, versioned + "Task", false, static_cast<std::int32_t>(kTaskDepth), false},
       {&coppice_wire_Answer_desc, versioned + "Answer", false, 0, false},
       {&coppice_wire_ChainRequest_desc, versioned + "ChainRequest", false, 0, false},
@@ -109,6 +110,19 @@ ChainHash from_wire(const coppice_wire_ChainId& id) {
   ChainHash hash;
   std::copy(std::begin(id.bytes), std::end(id.bytes), hash.bytes.begin());
   return hash;
+}
+
+WorkerStatus status_of(const Hello& hello) {
+  WorkerStatus status{};
+  status.protocol = hello.protocol;
+  status.worker = hello.worker;
+  put_text(status.version, hello.version);
+  put_text(status.host, hello.host);
+  status.pid = hello.pid;
+  status.cores = hello.cores;
+  status.threads = hello.threads;
+  status.evaluated = hello.evaluated;
+  return status;
 }
 
 std::uint64_t random_identity() {

@@ -23,6 +23,8 @@ inline constexpr std::uint32_t kProtocolVersion = 4;
 
 using Hello = coppice_wire_Hello;
 using Control = coppice_wire_Control;
+using Fleet = coppice_wire_Fleet;
+using WorkerStatus = coppice_wire_WorkerStatus;
 using Task = coppice_wire_Task;
 using Answer = coppice_wire_Answer;
 using ChainRequest = coppice_wire_ChainRequest;
@@ -51,6 +53,10 @@ inline const dds_topic_descriptor_t& descriptor<Hello>() {
 template <>
 inline const dds_topic_descriptor_t& descriptor<Control>() {
   return coppice_wire_Control_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& descriptor<Fleet>() {
+  return coppice_wire_Fleet_desc;
 }
 template <>
 inline const dds_topic_descriptor_t& descriptor<Task>() {
@@ -159,6 +165,9 @@ inline dds_sequence_octet lend(std::span<const std::uint8_t> bytes) {
 inline std::span<const std::uint8_t> view(const dds_sequence_octet& sequence) {
   return {sequence._buffer, sequence._length};
 }
+
+// What a Hello says of its worker; what it does is not filled in.
+WorkerStatus status_of(const Hello& hello);
 
 coppice_wire_ChainId to_wire(const ChainHash& hash);
 ChainHash from_wire(const coppice_wire_ChainId& id);

@@ -34,6 +34,12 @@ Result<std::vector<Contender>> open_contenders(const std::shared_ptr<const Chain
     RemoteOptions options;
     options.local_workers = workers;
     options.worker_program = settings.worker_program;
+    if (!settings.security.empty()) {
+      options.network.security = settings.security / "coordinator";
+      options.worker_flags.assign(workers, {"--security", (settings.security / "worker").string()});
+    }
+    const wire::Network network = options.network;
+    const std::vector<LocalWorkers::Flags> flags = options.worker_flags;
     auto evaluator = RemoteEvaluator::open(chain, std::move(options), stop);
     if (!evaluator) {
       return tl::unexpected(evaluator.error());
@@ -41,7 +47,7 @@ Result<std::vector<Contender>> open_contenders(const std::shared_ptr<const Chain
     if (auto ok = (*evaluator)->await_workers(workers); !ok) {
       return tl::unexpected(ok.error());
     }
-    auto echo = RemoteEcho::open(settings.worker_program, workers, stop);
+    auto echo = RemoteEcho::open(settings.worker_program, workers, stop, network, flags);
     if (!echo) {
       return tl::unexpected(echo.error());
     }

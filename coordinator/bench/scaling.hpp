@@ -22,7 +22,8 @@ struct ScalingSettings {
   std::vector<std::size_t> workers = {1, 2, 4};
   std::uint32_t repetitions = 7;
   std::filesystem::path worker_program;
-  unsigned cores = 1;  // workers beyond them are not expected to gain
+  std::filesystem::path security = {};  // holds identities under DDS Security, coordinator/ and worker/; empty: none
+  unsigned cores = 1;                   // workers beyond them are not expected to gain
 };
 
 // Of one workload; seconds are those of one generation.

@@ -29,6 +29,7 @@ constexpr std::uint64_t kMostPopulation = 1'000'000;
 struct Options {
   std::string study;
   std::string worker_program;
+  std::string security;
   std::vector<std::size_t> workers = {1, 2, 4};
   std::vector<std::string> workloads;
   std::uint32_t repetitions = 7;
@@ -192,6 +193,7 @@ Result<void> bench_command(const Options& options, const StopFlag& stop) {
   const ScalingSettings settings{.workers = options.workers,
                                  .repetitions = options.repetitions,
                                  .worker_program = program->worker_program,
+                                 .security = options.security,
                                  .cores = machine.cores};
   return bench_scaling(settings, *workloads, *chain, machine, options.json, stop);
 }
@@ -230,6 +232,11 @@ void add_bench(CLI::App& app, Invocation& invocation) {
       ->add_option("--worker-program", options->worker_program,
                    "What to start (default: coppice-worker beside this program, or on PATH)")
       ->type_name("FILE");
+  command
+      ->add_option("--security", options->security,
+                   "Under DDS Security, with the identities that deploy/security/make-certificates.sh put there")
+      ->type_name("DIR")
+      ->excludes(pace);
   command->add_flag("--json", options->json, "Report as one JSON object");
   command->footer(
       "Fails if any worker gives another result than the serial path.\n"

@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::size_t kMostLocalWorkers = LocalWorkers::kMaxWorkers;
 constexpr std::uint32_t kHighestDomain = 230;  // of DDS; above it the ports of RTPS run out
+constexpr double kRemoteCrossCheck = 0.01;
 constexpr std::uint32_t kLongestWait = 7 * 24 * 3600;
 
 // Found before the work that leads up to its start.
@@ -52,6 +53,24 @@ void add_evaluator_option(CLI::App& command, EvaluatorOption& option) {
   command.add_option("--interface", option.interface, "With --remote: network interface or address to listen on")
       ->type_name("NAME")
       ->needs(remote);
+  command
+      .add_option("--security", option.security,
+                  "With --remote: folder of this coordinator's identity under DDS Security "
+                  "(deploy/security/make-certificates.sh makes it); its workers need theirs")
+      ->type_name("DIR")
+      ->needs(remote);
+  command
+      .add_flag("--lossy", option.lossy,
+                "With --remote: for a network that loses packets or passes only small ones; its workers should have "
+                "it too")
+      ->needs(remote);
+  command
+      .add_option("--cross-check", option.cross_check,
+                  "Evaluate this share of the individuals again in this process, and quarantine a worker that answered "
+                  "otherwise (default: 0.01 with --remote, else 0)")
+      ->type_name("SHARE")
+      ->check(CLI::Range(0.0, 1.0))
+      ->excludes(serial);
   command.add_option("--domain", option.domain, "DDS domain (default: a free one; with --remote 0, as its workers)")
       ->type_name("D")
       ->check(whole_number())
@@ -87,6 +106,9 @@ Result<EvaluatorChoice> evaluator_choice(const EvaluatorOption& option) {
   if (option.interface) {
     choice.interface = *option.interface;
   }
+  choice.security = option.security;
+  choice.lossy = option.lossy;
+  choice.cross_check = option.cross_check.value_or(option.remote ? kRemoteCrossCheck : 0.0);
   if (option.domain) {
     if (*option.domain > kHighestDomain) {
       return bad_input(fmt::format("--domain is {}: expected 0 to {}", *option.domain, kHighestDomain));

@@ -19,6 +19,9 @@ struct EvaluatorOption {
   bool serial = false;
   bool remote = false;
   std::optional<std::string> interface;
+  std::string security;
+  bool lossy = false;
+  std::optional<double> cross_check;
   std::optional<std::uint32_t> domain;
   std::optional<std::uint32_t> wait_seconds;
   std::string worker_program;

@@ -42,10 +42,11 @@ std::string progress_text(const GenerationRecord& record, const DispatchStatisti
 }
 
 Json json_of(const DispatchStatistics& statistics) {
-  return {{"individuals", statistics.individuals},  {"repeated", statistics.repeated},
-          {"batches", statistics.batches},          {"duplicates", statistics.duplicates},
-          {"requeued", statistics.requeued},        {"rejected", statistics.rejected},
-          {"workers_lost", statistics.workers_lost}};
+  return {{"individuals", statistics.individuals},   {"repeated", statistics.repeated},
+          {"batches", statistics.batches},           {"duplicates", statistics.duplicates},
+          {"requeued", statistics.requeued},         {"rejected", statistics.rejected},
+          {"workers_lost", statistics.workers_lost}, {"cross_checked", statistics.cross_checked},
+          {"quarantined", statistics.quarantined}};
 }
 
 // The run's figures; what a repetition with the same seed repeats, but for seconds and dispatch.

@@ -24,7 +24,7 @@ nlohmann::ordered_json json_of(const LearnTask& task) {
           {"episodes", settings.episodes}, {"steps", settings.steps},
           {"alpha", settings.alpha},       {"gamma", settings.gamma},
           {"epsilon", settings.epsilon},   {"decay", name_of(settings.decay)},
-          {"seed", settings.seed}};
+          {"seed", settings.seed},         {"greedy_episodes", settings.greedy_episodes}};
 }
 
 nlohmann::ordered_json json_of(const Learned& learned) {
@@ -32,6 +32,7 @@ nlohmann::ordered_json json_of(const Learned& learned) {
           {"transitions", learned.chain.transitions()},
           {"reward_last_episodes", learned.last_rewards},
           {"largest_change", learned.largest_change},
+          {"last_change_episode", learned.last_change_episode},
           {"collisions", learned.collisions},
           {"last_collision_episode", learned.last_collision_episode},
           {"steps", learned.steps},
@@ -40,11 +41,12 @@ nlohmann::ordered_json json_of(const Learned& learned) {
 
 std::string text_of(const LearnTask& task, const Learned& learned, const std::string& path) {
   const double steps = static_cast<double>(learned.steps);
+  const std::uint64_t episodes = task.settings.episodes + task.settings.greedy_episodes;
   std::string text = fmt::format("{}: {}, {}\n", path, counted(learned.chain.states(), "state"),
                                  counted(learned.chain.transitions(), "transition"));
-  text += fmt::format("{} of {} by {}, seed {}: {:.1f} s, {:.1f} ns a step\n",
-                      counted(task.settings.episodes, "episode"), task.world_name, name_of(task.settings.algorithm),
-                      task.settings.seed, learned.seconds, steps > 0.0 ? learned.seconds / steps * 1e9 : 0.0);
+  text += fmt::format("{} of {} by {}, seed {}: {:.1f} s, {:.1f} ns a step\n", counted(episodes, "episode"),
+                      task.world_name, name_of(task.settings.algorithm), task.settings.seed, learned.seconds,
+                      steps > 0.0 ? learned.seconds / steps * 1e9 : 0.0);
   text += fmt::format("reward per episode at the end: {:.1f}\n", learned.last_rewards);
   text += learned.collisions == 0 ? std::string("no collisions\n")
                                   : fmt::format("collisions: {}, the last in episode {}\n", learned.collisions,
@@ -63,6 +65,9 @@ void add_learn_options(CLI::App& command, LearnOptions& options) {
       ->capture_default_str();
   command.add_option("--episodes", options.episodes, "Episodes to learn from (default: as the thesis has it)")
       ->check(whole_number());
+  command.add_option("--greedy-episodes", options.greedy_episodes, "More episodes behind those, without exploration")
+      ->check(whole_number())
+      ->capture_default_str();
   command.add_option("--steps", options.steps, "Steps per episode (default: as the thesis has it)")
       ->check(whole_number());
   command.add_option("--alpha", options.alpha, "Learning rate (default: as the thesis has it)");
@@ -84,6 +89,7 @@ Result<LearnTask> learn_task(const LearnOptions& options, std::uint64_t seed) {
   LearnSettings settings = default_settings(world->kind, *algorithm);
   settings.algorithm = *algorithm;
   settings.episodes = options.episodes.value_or(settings.episodes);
+  settings.greedy_episodes = options.greedy_episodes;
   settings.steps = options.steps.value_or(settings.steps);
   settings.alpha = options.alpha.value_or(settings.alpha);
   settings.gamma = options.gamma.value_or(settings.gamma);
@@ -106,9 +112,10 @@ Result<LearnReport> learn_study(const LearnTask& task, const std::string& path, 
   if (const Result<void> checked = Study::check_new(path); !checked) {
     return tl::unexpected(checked.error());
   }
+  const std::uint64_t episodes = task.settings.episodes + task.settings.greedy_episodes;
   ProgressSettings shown = progress_settings_for(stderr);
-  shown.plain_every_done = std::max<std::uint64_t>(1, task.settings.episodes / kPlainLines);
-  Progress progress(stderr, shown, "learn", "episodes", task.settings.episodes);
+  shown.plain_every_done = std::max<std::uint64_t>(1, episodes / kPlainLines);
+  Progress progress(stderr, shown, "learn", "episodes", episodes);
   const Result<Learned> learned = learn(task.world, task.settings, [&](std::uint64_t episodes_done) {
     progress.update(episodes_done);
     return !stop.raised();
@@ -116,7 +123,7 @@ Result<LearnReport> learn_study(const LearnTask& task, const std::string& path, 
   if (!learned) {
     return tl::unexpected(learned.error());
   }
-  progress.finish(task.settings.episodes, fmt::format("reward {:.1f}", learned->last_rewards));
+  progress.finish(episodes, fmt::format("reward {:.1f}", learned->last_rewards));
 
   const nlohmann::ordered_json settings = json_of(task);
   const nlohmann::ordered_json outcome = json_of(*learned);

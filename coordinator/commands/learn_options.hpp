@@ -22,6 +22,7 @@ struct LearnOptions {
   std::string world = "uav";
   std::string algorithm = "q-learning";
   std::optional<std::uint64_t> episodes;
+  std::uint64_t greedy_episodes = 0;
   std::optional<std::uint32_t> steps;
   std::optional<double> alpha;
   std::optional<double> gamma;

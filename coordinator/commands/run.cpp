@@ -1,8 +1,6 @@
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -13,6 +11,7 @@
 #include "coordinator/commands/evaluator_option.hpp"
 #include "coordinator/commands/evolve_options.hpp"
 #include "coordinator/commands/learn_options.hpp"
+#include "coordinator/commands/new_folder.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/dispatch/open_evaluator.hpp"
 #include "coordinator/report/draw.hpp"
@@ -24,7 +23,6 @@ namespace coppice {
 namespace {
 
 constexpr std::uint64_t kDefaultSeed = 1;
-constexpr int kMostFolderNames = 100;  // runs of one folder that begin in the same second
 
 struct Options {
   std::string folder;  // empty: named by the time
@@ -35,31 +33,6 @@ struct Options {
   std::uint64_t score_episodes = SimulateSettings{}.episodes;
   bool json = false;
 };
-
-// Makes the folder, which must be new. std::filesystem::create_directory() does that in one step, so that two runs
-// cannot get the same one.
-Result<std::filesystem::path> new_folder(const std::string& given) {
-  std::error_code error;
-  if (!given.empty()) {
-    if (!std::filesystem::create_directory(given, error)) {
-      return error ? failed(fmt::format("cannot make the folder {}: {}", given, error.message()))
-                   : bad_input(fmt::format("-o: {} exists already: expected the name of a new folder", given));
-    }
-    return std::filesystem::path(given);
-  }
-  const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  const std::string stem = fmt::format("coppice-run-{:%Y%m%dT%H%M%SZ}", fmt::gmtime(now));
-  for (int i = 1; i <= kMostFolderNames; ++i) {
-    const std::string name = i == 1 ? stem : fmt::format("{}-{}", stem, i);
-    if (std::filesystem::create_directory(name, error)) {
-      return std::filesystem::path(name);
-    }
-    if (error) {
-      return failed(fmt::format("cannot make the folder {}: {}", name, error.message()));
-    }
-  }
-  return failed(fmt::format("{} and {} names like it exist already", stem, kMostFolderNames - 1));
-}
 
 Result<void> write_drawings(const Tree& tree, const Vocabulary& vocabulary, const std::filesystem::path& stem) {
   for (const char* extension : {".dot", ".svg"}) {
@@ -142,7 +115,7 @@ Result<void> run_command(const Options& options, const StopFlag& stop) {
   if (const Result<void> found = check_dot(); !found) {
     return found;
   }
-  const Result<std::filesystem::path> folder = new_folder(options.folder);
+  const Result<std::filesystem::path> folder = new_folder(options.folder, "coppice-run");
   if (!folder) {
     return tl::unexpected(folder.error());
   }

@@ -29,6 +29,8 @@ struct DispatchStatistics {
   std::uint64_t requeued = 0;        // batches taken back from a worker that died, hung, left or was late
   std::uint64_t rejected = 0;        // samples that did not decode, or belonged to nobody
   std::uint64_t workers_lost = 0;
+  std::uint64_t cross_checked = 0;  // individuals that the coordinator evaluated again
+  std::uint64_t quarantined = 0;    // workers that answered wrongly
   std::size_t workers_alive = 0;
 };
 

@@ -6,9 +6,16 @@
 #include "coordinator/dispatch/serial_evaluator.hpp"
 
 namespace coppice {
+namespace {
+
+wire::Network network_of(const EvaluatorChoice& choice) {
+  return {.security = choice.security, .lossy = choice.lossy, .port = std::nullopt};
+}
+
+}  // namespace
 
 Result<void> check_choice(const EvaluatorChoice& choice) {
-  return choice.kind == EvaluatorChoice::Kind::remote ? RemoteEndpoints::check_interface(choice.interface)
+  return choice.kind == EvaluatorChoice::Kind::remote ? RemoteEndpoints::check(choice.interface, network_of(choice))
                                                       : Result<void>{};
 }
 
@@ -20,9 +27,11 @@ Result<RemoteOptions> remote_options(const EvaluatorChoice& choice) {
   RemoteOptions options;
   options.domain = choice.domain;
   options.wait_limit = choice.wait_limit;
+  options.cross_check = choice.cross_check;
   if (choice.kind == EvaluatorChoice::Kind::remote) {
     options.domain = choice.domain.value_or(kDefaultRemoteDomain);
     options.interface = choice.interface;
+    options.network = network_of(choice);
     return options;
   }
   options.local_workers = choice.workers;

@@ -37,7 +37,8 @@ RemoteDispatch::RemoteDispatch(std::shared_ptr<const Chain> chain, RemoteOptions
       wake_(stop.on_raise([this] { dds_.waiter.wake(); })),
       flight_(options_.limits),
       fleet_(dds_, run_, flight_, statistics_),
-      meanings_(*chain_) {}
+      meanings_(*chain_),
+      cross_check_(chain_, options_.cross_check, stop) {}
 
 RemoteDispatch::~RemoteDispatch() {
   fleet_.dismiss();  // while DDS still acknowledges what the workers say last
@@ -45,7 +46,7 @@ RemoteDispatch::~RemoteDispatch() {
 
 Result<std::unique_ptr<RemoteDispatch>> RemoteDispatch::open(std::shared_ptr<const Chain> chain, RemoteOptions options,
                                                              const StopFlag& stop) {
-  auto endpoints = RemoteEndpoints::open(options.domain, options.interface);
+  auto endpoints = RemoteEndpoints::open(options.domain, options.interface, options.network);
   if (!endpoints) {
     return tl::unexpected(endpoints.error());
   }
@@ -287,6 +288,10 @@ void RemoteDispatch::take(const wire::Answer& answer) {
 void RemoteDispatch::settle(const wire::Answer& answer) {
   const BatchId id{answer.batch};
   const WorkerId from{answer.worker};
+  if (fleet_.is_banned(from)) {
+    ++statistics_.rejected;
+    return;
+  }
   statistics_.received_bytes += answer.payload._length;
   const auto out = flight_.find(id, from);
   if (!out || !out->current) {
@@ -303,6 +308,10 @@ void RemoteDispatch::settle(const wire::Answer& answer) {
     fleet_.ban(from, "sent a damaged answer");
     return;
   }
+  if (!agrees(from, *tallies, request, first)) {
+    quarantine(from);
+    return;
+  }
   const auto now = Clock::now();
   const auto settlement = flight_.settle(id, from, now);
   if (settlement.fresh.empty()) {
@@ -312,13 +321,69 @@ void RemoteDispatch::settle(const wire::Answer& answer) {
   last_settled_ = now;
   request.add_repeated(std::min(answer.repeated, out->batch.count));
   for (const std::uint32_t slot : settlement.fresh) {
-    request.settle(portion.first + slot, std::move((*tallies)[slot - out->batch.first]));
+    request.settle(portion.first + slot, std::move((*tallies)[slot - out->batch.first]), from);
   }
+  cross_check_.took(from, static_cast<std::uint32_t>(settlement.fresh.size()));
   if (RemoteWorker* worker = fleet_.find(from); worker != nullptr) {
     // No longer than it was away, whatever it says.
     const auto away = static_cast<std::uint64_t>(std::chrono::nanoseconds(last_settled_ - out->sent).count());
     worker->pace().add(std::chrono::nanoseconds(std::min(answer.elapsed_ns, away)), out->batch.count, request.steps());
   }
+}
+
+// Whether what is evaluated again comes out as the worker said.
+bool RemoteDispatch::agrees(WorkerId from, const std::vector<Tally>& tallies, const RemoteRequest& request,
+                            std::uint32_t first) {
+  const auto chosen = cross_check_.sample(from, static_cast<std::uint32_t>(tallies.size()));
+  std::vector<Tree> trees;
+  for (const std::uint32_t i : chosen) {
+    trees.push_back(request.sent_tree(first + i));
+  }
+  if (chosen.empty()) {
+    return true;
+  }
+  const auto truth = cross_check_.evaluate(trees, request.job());
+  if (!truth) {
+    return true;  // interrupted: act() says so next, and nothing counts any more
+  }
+  statistics_.cross_checked += chosen.size();
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (tallies[chosen[i]] != (*truth)[i]) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// A worker answered wrongly: nothing that it said in the requests that are open counts.
+void RemoteDispatch::quarantine(WorkerId from) {
+  std::size_t again = 0;
+  for (auto& [id, open] : open_) {
+    const auto places = open.request.settled_by(from);
+    std::vector<Tree> trees;
+    for (const std::uint32_t place : places) {
+      trees.push_back(open.request.sent_tree(place));
+    }
+    auto truth = cross_check_.evaluate(trees, open.request.job());
+    if (!truth) {
+      return;  // interrupted
+    }
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      open.request.settle(places[i], std::move((*truth)[i]), WorkerId{});
+    }
+    again += places.size();
+  }
+  const std::uint64_t earlier =
+      cross_check_.record(from).taken - std::min<std::uint64_t>(again, cross_check_.record(from).taken);
+  const RemoteWorker* const worker = fleet_.find(from);
+  spdlog::error(
+      "worker {} answered wrongly and is quarantined: {} of its individuals in this generation were evaluated again; "
+      "{} "
+      "in earlier ones were taken as it said{}",
+      worker != nullptr ? worker->name() : fmt::format("{:016x}", static_cast<std::uint64_t>(from)), again, earlier,
+      earlier > 0 ? ": the run may differ from a serial one, begin it again without that worker" : "");
+  ++statistics_.quarantined;
+  fleet_.ban(from, "is quarantined");
 }
 
 Result<void> RemoteDispatch::tend(Clock::time_point now) {

@@ -18,6 +18,7 @@
 
 #include "common/chain/chain.hpp"
 #include "common/stop.hpp"
+#include "coordinator/dispatch/cross_check.hpp"
 #include "coordinator/dispatch/evaluator.hpp"
 #include "coordinator/dispatch/in_flight.hpp"
 #include "coordinator/dispatch/local_workers.hpp"
@@ -29,12 +30,14 @@
 namespace coppice {
 
 struct RemoteOptions {
-  std::optional<std::uint32_t> domain;            // a free one if not given
-  std::string interface = "lo";                   // by name or address
+  std::optional<std::uint32_t> domain;  // a free one if not given
+  std::string interface = "lo";         // by name or address
+  wire::Network network;
   std::size_t local_workers = 0;                  // to start on this machine; 0: wait for others
   std::filesystem::path worker_program;           // for them
   std::vector<LocalWorkers::Flags> worker_flags;  // more for the first of them
   std::chrono::milliseconds wait_limit{600'000};  // without any worker for this long, evaluation fails
+  double cross_check = 0.0;                       // share of all individuals, see CrossCheck
   InFlightLimits limits;
   // Called on the dispatching thread after each batch went out, with the process that got it. May be empty.
   std::function<void(pid_t)> batch_sent;
@@ -94,6 +97,8 @@ class RemoteDispatch {
   void take(const wire::ChainRequest& request);
   void take(const wire::Answer& answer);
   void settle(const wire::Answer& answer);
+  bool agrees(WorkerId from, const std::vector<Tally>& tallies, const RemoteRequest& request, std::uint32_t first);
+  void quarantine(WorkerId from);
   bool is_ours(std::uint32_t protocol, std::uint64_t run_id, const coppice_wire_ChainId& chain) const;
 
   Result<void> tend(Clock::time_point now);
@@ -125,6 +130,7 @@ class RemoteDispatch {
   InFlight flight_;
   RemoteFleet fleet_;
   Meanings meanings_;
+  CrossCheck cross_check_;
   std::vector<Objective> checked_objectives_;
 
   std::map<RequestId, Open> open_;

@@ -24,12 +24,16 @@ RemoteEcho::RemoteEcho(RemoteEndpoints endpoints, LocalWorkers local, const Stop
       local_(std::move(local)) {}
 
 Result<std::unique_ptr<RemoteEcho>> RemoteEcho::open(const std::filesystem::path& worker_program, std::size_t workers,
-                                                     const StopFlag& stop) {
-  auto endpoints = RemoteEndpoints::open(std::nullopt, "lo");
+                                                     const StopFlag& stop, const wire::Network& network,
+                                                     std::vector<LocalWorkers::Flags> flags) {
+  auto endpoints = RemoteEndpoints::open(std::nullopt, "lo", network);
   if (!endpoints) {
     return tl::unexpected(endpoints.error());
   }
-  const std::vector<LocalWorkers::Flags> flags(workers, {"--echo"});
+  flags.resize(workers);
+  for (LocalWorkers::Flags& one : flags) {
+    one.emplace_back("--echo");
+  }
   auto local = LocalWorkers::start(worker_program, flags, endpoints->domain);
   if (!local) {
     return tl::unexpected(local.error());

@@ -19,10 +19,11 @@ namespace coppice {
 
 class RemoteEcho {
  public:
-  // Starts the workers and waits until all are there. `stop` outlives it. Errors: as RemoteEvaluator::open(); workers
-  // that do not come within kPatience; interrupted.
+  // Starts the workers, the first of them with these flags, and waits until all are there. `stop` outlives it. Errors:
+  // as RemoteEvaluator::open(); workers that do not come within kPatience; interrupted.
   static Result<std::unique_ptr<RemoteEcho>> open(const std::filesystem::path& worker_program, std::size_t workers,
-                                                  const StopFlag& stop);
+                                                  const StopFlag& stop, const wire::Network& network = {},
+                                                  std::vector<LocalWorkers::Flags> flags = {});
   ~RemoteEcho() = default;
   RemoteEcho(const RemoteEcho&) = delete;
   RemoteEcho& operator=(const RemoteEcho&) = delete;

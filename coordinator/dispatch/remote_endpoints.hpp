@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/error.hpp"
+#include "common/wire/configuration.hpp"
 #include "common/wire/participant.hpp"
 #include "common/wire/topics.hpp"
 #include "common/wire/waiter.hpp"
@@ -21,12 +22,14 @@ struct RemoteEndpoints {
   wire::Reader<wire::Answer> answers;
   wire::Reader<wire::ChainRequest> requests;
   wire::Writer<wire::Control> control;
+  wire::Writer<wire::Fleet> fleet;
 
   // In `domain`, or in a free one of those for local runs. `interface` by name or address. Errors name the flag: no
   // such interface; the domain is taken (or all are).
-  static Result<RemoteEndpoints> open(const std::optional<std::uint32_t>& domain, const std::string& interface);
-  // The first of these errors, ahead of time.
-  static Result<void> check_interface(const std::string& interface);
+  static Result<RemoteEndpoints> open(const std::optional<std::uint32_t>& domain, const std::string& interface,
+                                      const wire::Network& network = {});
+  // Those of these errors that can be found ahead of time: the interface, and the identity under DDS Security.
+  static Result<void> check(const std::string& interface, const wire::Network& network);
 };
 
 }  // namespace coppice

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "common/version.hpp"
 
@@ -16,6 +17,10 @@ constexpr auto kHangLimit = 5s;        // no progress with work at hand for this
 constexpr auto kLongestHangLimit = 3600s;
 constexpr int kHangFactor = 4;  // times the measured cost of an individual, if that is longer
 constexpr std::size_t kMaxWorkers = 1024;
+constexpr auto kShowInterval = 500ms;
+constexpr auto kOutcastMemory = 10s;  // since it was heard
+constexpr std::size_t kMaxOutcasts = 256;
+static_assert(kMaxWorkers + kMaxOutcasts <= coppice_wire_MAX_LISTED);
 constexpr std::size_t kMaxRemembered = 4096;  // sources that were logged
 
 }  // namespace
@@ -82,7 +87,11 @@ void RemoteFleet::hear(const wire::Hello& hello, const dds_sample_info_t& info) 
 
 void RemoteFleet::meet(const wire::Hello& hello) {
   const WorkerId id{hello.worker};
-  if (banned_.count(id) != 0 || workers_.size() >= kMaxWorkers) {
+  if (banned_.count(id) != 0) {
+    cast_out(hello, coppice_wire_QUARANTINED);
+    return;
+  }
+  if (workers_.size() >= kMaxWorkers) {
     return;
   }
   auto worker = RemoteWorker::meet(dds_.participant, dds_.waiter, hello);
@@ -96,6 +105,7 @@ void RemoteFleet::meet(const wire::Hello& hello) {
 }
 
 void RemoteFleet::refuse(const wire::Hello& hello) {
+  cast_out(hello, coppice_wire_REFUSED_VERSION);
   if (refused_.size() < kMaxRemembered && refused_.insert(WorkerId{hello.worker}).second) {
     spdlog::warn(
         "refused the worker {} (pid {}, version {}): it speaks protocol {}, this coordinator (version {}) {}: "
@@ -149,6 +159,48 @@ void RemoteFleet::tend(Clock::time_point now, std::uint64_t steps) {
     }
   }
   lose_hanging(now, steps);
+  show(now);
+}
+
+void RemoteFleet::show(Clock::time_point now) {
+  if (now < next_show_) {
+    return;
+  }
+  next_show_ = now + kShowInterval;
+  std::erase_if(outcasts_, [now](const auto& entry) { return now - entry.second.heard > kOutcastMemory; });
+  if (!dds_.fleet.matched()) {
+    return;
+  }
+  std::vector<wire::WorkerStatus> workers;
+  for (const auto& [id, worker] : workers_) {
+    workers.push_back(worker.status(flight_.load(id), now));
+  }
+  for (const auto& [id, outcast] : outcasts_) {
+    workers.push_back(outcast.status);
+    const auto since = std::chrono::duration_cast<std::chrono::milliseconds>(now - outcast.heard);
+    workers.back().seen_ms = static_cast<std::uint32_t>(since.count());
+  }
+  wire::Fleet fleet{};
+  fleet.protocol = wire::kProtocolVersion;
+  fleet.run_id = run_.run_id;
+  wire::put_text(fleet.version, kVersion);
+  wire::put_text(fleet.host, wire::host_name());
+  fleet.pid = static_cast<std::uint32_t>(getpid());
+  fleet.chain = wire::to_wire(run_.chain);
+  fleet.workers._buffer = workers.data();
+  fleet.workers._length = fleet.workers._maximum = static_cast<std::uint32_t>(workers.size());
+  if (auto ok = dds_.fleet.write(fleet); !ok) {
+    spdlog::debug("those who look on were not told: {}", ok.error().message);
+  }
+}
+
+void RemoteFleet::cast_out(const wire::Hello& hello, coppice_wire_Doing why) {
+  if (outcasts_.size() >= kMaxOutcasts && outcasts_.count(WorkerId{hello.worker}) == 0) {
+    return;
+  }
+  Outcast& outcast = outcasts_[WorkerId{hello.worker}];
+  outcast = {wire::status_of(hello), Clock::now()};
+  outcast.status.doing = why;
 }
 
 // A worker that says Hello but stands still hangs, or never got what was sent. Its work goes to others; its next Hello

@@ -41,6 +41,7 @@ class RemoteFleet {
   void reject(const std::string& what, std::uint64_t source);
   // A worker that answers nonsense would do so again: its Hellos are not heard any more.
   void ban(WorkerId id, const std::string& why);
+  bool is_banned(WorkerId id) const { return banned_.count(id) != 0; }
 
   // Null: not known, or no more.
   RemoteWorker* find(WorkerId id);
@@ -61,6 +62,9 @@ class RemoteFleet {
 
  private:
   void refuse(const wire::Hello& hello);
+  void cast_out(const wire::Hello& hello, coppice_wire_Doing why);
+  // For those who look on (coppice workers), while there are any.
+  void show(Clock::time_point now);
   void meet(const wire::Hello& hello);
   void lose(WorkerId worker, const std::string& why, InFlight::Farewell farewell);
   void lose_process(pid_t pid);
@@ -71,8 +75,15 @@ class RemoteFleet {
   InFlight& flight_;
   DispatchStatistics& statistics_;
   std::map<WorkerId, RemoteWorker> workers_;
-  std::set<WorkerId> banned_;              // answered nonsense: not heard any more
-  std::set<WorkerId> refused_;             // spoke another protocol: told once
+  std::set<WorkerId> banned_;  // answered nonsense: not heard any more
+  // Not served, but shown: spoke another protocol (told once), or answered wrongly.
+  struct Outcast {
+    wire::WorkerStatus status;
+    Clock::time_point heard;
+  };
+  std::map<WorkerId, Outcast> outcasts_;
+  std::set<WorkerId> refused_;  // told once
+  Clock::time_point next_show_;
   std::set<std::uint64_t> rejected_from_;  // sources of damaged samples: logged once each
   std::optional<LocalWorkers> local_;
   std::chrono::seconds hang_limit_;

@@ -53,6 +53,7 @@ std::uint32_t RemoteRequest::see_portion(Meanings& meanings) {
     }
   }
   tallies_.resize(sent_.size());
+  settled_by_.resize(sent_.size());
   return to_send() - before;
 }
 
@@ -68,6 +69,16 @@ bool RemoteRequest::fits(std::span<const Tally> tallies, std::uint32_t first) co
     }
   }
   return true;
+}
+
+std::vector<std::uint32_t> RemoteRequest::settled_by(WorkerId worker) const {
+  std::vector<std::uint32_t> places;
+  for (std::uint32_t place = 0; place < settled_by_.size(); ++place) {
+    if (settled_by_[place] == worker) {
+      places.push_back(place);
+    }
+  }
+  return places;
 }
 
 std::uint32_t RemoteRequest::give_up(std::uint32_t place) {

@@ -11,6 +11,7 @@
 #include "common/fitness/job.hpp"
 #include "common/fitness/meaning.hpp"
 #include "common/tree/tree.hpp"
+#include "coordinator/dispatch/in_flight.hpp"
 
 namespace coppice {
 
@@ -34,7 +35,12 @@ class RemoteRequest {
   std::vector<std::uint8_t> task(std::uint32_t first, std::uint32_t count) const;
   // Whether these can be the tallies of what was sent from `first` on.
   bool fits(std::span<const Tally> tallies, std::uint32_t first) const;
-  void settle(std::uint32_t place, Tally&& tally) { tallies_[place] = std::move(tally); }
+  void settle(std::uint32_t place, Tally&& tally, WorkerId by) {
+    tallies_[place] = std::move(tally);
+    settled_by_[place] = by;
+  }
+  const Tree& sent_tree(std::uint32_t place) const { return trees_[sent_[place]]; }
+  std::vector<std::uint32_t> settled_by(WorkerId worker) const;
   // A worker found so many to mean the same as others.
   void add_repeated(std::uint32_t trees) { repeated_ += trees; }
   // No result: too many workers were lost with it. Returns its slot.
@@ -57,6 +63,7 @@ class RemoteRequest {
   std::vector<std::uint32_t> sent_;                              // slots
   std::vector<std::uint32_t> sent_as_;                           // of each slot that was seen: place
   std::vector<Tally> tallies_;                                   // by place
+  std::vector<WorkerId> settled_by_;                             // by place
 };
 
 }  // namespace coppice

@@ -12,6 +12,7 @@ namespace {
 constexpr std::chrono::milliseconds kSettlingTime{15};
 // A worker's reader keeps kTaskDepth samples: it must never be sent more.
 constexpr std::uint32_t kMaxLanes = wire::kTaskDepth / 2;
+constexpr std::chrono::seconds kPaceWindow{1};
 
 }  // namespace
 
@@ -19,6 +20,7 @@ RemoteWorker::RemoteWorker(const wire::Hello& hello, wire::Writer<wire::Task> ta
                            wire::Writer<wire::ChainBlock> blocks)
     : id_{hello.worker},
       pid_(static_cast<pid_t>(hello.pid)),
+      status_(wire::status_of(hello)),
       lanes_(std::clamp(hello.threads, std::uint32_t{1}, kMaxLanes)),
       name_(fmt::format("{}, pid {}", wire::shown(hello.host), hello.pid)),
       tasks_(std::move(tasks)),
@@ -48,10 +50,29 @@ void RemoteWorker::hear(const wire::Hello& hello, const RunIdentity& run, InFlig
     evaluated_ = hello.evaluated;
     progressed_ = now;
   }
+  heard_ = now;
+  status_.evaluated = hello.evaluated;
+  if (const auto window = now - lately_.since; window >= kPaceWindow) {
+    const auto seconds = std::chrono::duration<double>(window).count();
+    const bool counts = lately_.since != InFlight::Time{} && hello.evaluated >= lately_.evaluated;
+    lately_ = {
+        now, hello.evaluated,
+        counts ? static_cast<std::uint64_t>(static_cast<double>(hello.evaluated - lately_.evaluated) / seconds) : 0};
+  }
   const std::span<const coppice_wire_ChainId> held(hello.chains._buffer, hello.chains._length);
   holds_chain_ = hello.run_id == run.run_id &&
                  std::any_of(held.begin(), held.end(),
                              [&](const coppice_wire_ChainId& id) { return wire::from_wire(id) == run.chain; });
+}
+
+wire::WorkerStatus RemoteWorker::status(std::size_t batches, InFlight::Time now) const {
+  wire::WorkerStatus status = status_;
+  status.doing = !holds_chain_ ? coppice_wire_FETCHING : batches > 0 ? coppice_wire_EVALUATING : coppice_wire_READY;
+  status.batches = static_cast<std::uint32_t>(batches);
+  status.each_second = lately_.each_second;
+  status.seen_ms =
+      static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(now - heard_).count());
+  return status;
 }
 
 void RemoteWorker::Match::look(bool matched, InFlight::Time now) {

@@ -36,6 +36,9 @@ class RemoteWorker {
   // "host, pid 123" fit for a terminal.
   const std::string& name() const { return name_; }
 
+  // For those who look on. `batches`: in its hands.
+  wire::WorkerStatus status(std::size_t batches, InFlight::Time now) const;
+
   // Takes what a Hello says about the run, its chain, and how far the worker got.
   void hear(const wire::Hello& hello, const RunIdentity& run, InFlight::Time now);
   // Since when its count of evaluated individuals stands still, or since it was last given something to do.
@@ -72,6 +75,14 @@ class RemoteWorker {
 
   WorkerId id_;
   pid_t pid_;
+  wire::WorkerStatus status_{};  // what stays the same, or was said last
+  InFlight::Time heard_;
+  struct Pace {  // individuals a second, over kPaceWindow
+    InFlight::Time since;
+    std::uint64_t evaluated = 0;
+    std::uint64_t each_second = 0;
+  };
+  Pace lately_;
   std::size_t lanes_;
   std::string name_;
   wire::Writer<wire::Task> tasks_;

@@ -85,7 +85,11 @@ Result<void> check_settings(const LearnSettings& settings) {
   if (settings.steps == 0 || settings.steps > kMaxEpisodeSteps) {
     return bad_input(fmt::format("--steps is {}: expected 1 to {}", settings.steps, kMaxEpisodeSteps));
   }
-  if (settings.steps > kMaxSteps / settings.episodes) {
+  if (settings.greedy_episodes > kMaxSteps - settings.episodes) {
+    return bad_input(fmt::format("--greedy-episodes is {}: expected at most {}", settings.greedy_episodes,
+                                 kMaxSteps - settings.episodes));
+  }
+  if (settings.steps > kMaxSteps / (settings.episodes + settings.greedy_episodes)) {
     return bad_input(fmt::format("--steps is {}: expected --episodes ({}) times --steps to be at most {}",
                                  settings.steps, settings.episodes, kMaxSteps));
   }
@@ -99,6 +103,9 @@ Result<void> check_settings(const LearnSettings& settings) {
 }
 
 double exploration(const LearnSettings& settings, std::uint64_t episode) {
+  if (episode > settings.episodes) {
+    return 0.0;
+  }
   const auto episodes = static_cast<double>(settings.episodes);
   const auto e = static_cast<double>(episode);
   const double nd = episodes / 100.0;

@@ -34,8 +34,14 @@ struct LearnSettings {
   double gamma = 0.8;         // discount factor
   double epsilon = 0.5;       // exploration in the first episode
   Decay decay = Decay::thesis;
+  // More episodes behind those, without exploration: thesis Table 4-1 has 200 episodes and SARSA converge in episode
+  // 269.
+  std::uint64_t greedy_episodes = 0;
   std::uint64_t seed = 1;
 };
+
+// A change of Q below this is none: "converged if delta-Q is less than 1e-8" (thesis 4-1).
+inline constexpr double kConvergedChange = 1e-8;
 
 // Thesis Table II for a room, Table 4-1 for the windy grid (whose Q-learning and SARSA discount differently).
 // We differ: 2000 episodes on the windy grid, not 200. The thesis does not print its grid; in Sutton and Barto's, the
@@ -47,7 +53,7 @@ LearnSettings default_settings(WorldKind kind, Algorithm algorithm);
 Result<void> check_settings(const LearnSettings& settings);
 
 // The chance of a non-greedy action in an episode, counted from 1. REQUIRES: check_settings(settings),
-// 1 <= episode <= settings.episodes.
+// 1 <= episode <= settings.episodes + settings.greedy_episodes.
 double exploration(const LearnSettings& settings, std::uint64_t episode);
 
 struct Learned {
@@ -58,6 +64,7 @@ struct Learned {
   double largest_change = 0.0;   // |change of Q| in the last episode, largest (thesis Figures 4-3 and 15)
   std::uint64_t collisions = 0;  // over all episodes
   std::uint64_t last_collision_episode = 0;
+  std::uint64_t last_change_episode = 0;  // the last with a change of Q of kConvergedChange or more
 };
 
 // Called about every 100 ms at most, between episodes; returns false to stop.

@@ -183,13 +183,14 @@ auto LearningLoop<Simulator, kAlgorithm>::run_episode(std::uint64_t explore_belo
 
 template <typename Simulator, Algorithm kAlgorithm>
 Result<Learned> LearningLoop<Simulator, kAlgorithm>::run(const LearnProgress& progress) {
-  const std::uint64_t episodes = settings_.episodes;
+  const std::uint64_t episodes = settings_.episodes + settings_.greedy_episodes;
   const std::uint64_t rewards_from = episodes - std::min(episodes, kRewardEpisodes) + 1;
   const auto start = Clock::now();
   auto reported = start;
   std::uint64_t steps = 0;
   std::uint64_t collisions = 0;
   std::uint64_t last_collision_episode = 0;
+  std::uint64_t last_change_episode = 0;
   double reward = 0.0;
   double largest_change = 0.0;
   for (std::uint64_t k = 1; k <= episodes; ++k) {
@@ -200,6 +201,7 @@ Result<Learned> LearningLoop<Simulator, kAlgorithm>::run(const LearnProgress& pr
     steps += episode.steps;
     collisions += episode.collisions;
     last_collision_episode = episode.collisions > 0 ? k : last_collision_episode;
+    last_change_episode = episode.largest_change >= kConvergedChange ? k : last_change_episode;
     reward += k >= rewards_from ? episode.reward : 0.0;
     largest_change = episode.largest_change;
     if (k % kEpisodesPerClockRead == 0 && progress) {
@@ -223,7 +225,8 @@ Result<Learned> LearningLoop<Simulator, kAlgorithm>::run(const LearnProgress& pr
                  reward / static_cast<double>(episodes - rewards_from + 1),
                  largest_change,
                  collisions,
-                 last_collision_episode};
+                 last_collision_episode,
+                 last_change_episode};
 }
 
 template <typename Simulator, Algorithm kAlgorithm>

@@ -9,14 +9,14 @@
 
 namespace coppice {
 
-const std::vector<Measure>& measures(bool simulated) {
-  static const std::vector<Measure> on_chain = {
+const std::vector<SweepColumn>& sweep_columns(bool simulated) {
+  static const std::vector<SweepColumn> on_chain = {
       {"coverage", "all states %", 100.0, 1, true}, {"agreement", "on chain %", 100.0, 1, true},
       {"fitness", "fitness", 1.0, 3, true},         {"nodes", "nodes", 1.0, 1, false},
       {"distinct", "distinct %", 100.0, 1, true},   {"seconds", "seconds", 1.0, 2, false},
   };
-  static const std::vector<Measure> all = [] {
-    std::vector<Measure> extended = on_chain;
+  static const std::vector<SweepColumn> all = [] {
+    std::vector<SweepColumn> extended = on_chain;
     extended.push_back({"simulated_agreement", "simulated %", 100.0, 1, true});
     extended.push_back({"reward", "reward", 1.0, 1, true});
     extended.push_back({"collisions", "collisions", 1.0, 2, false});

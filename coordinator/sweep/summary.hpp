@@ -11,7 +11,7 @@
 
 namespace coppice {
 
-struct Measure {
+struct SweepColumn {
   std::string name;          // a column of runs.csv
   std::string title;         // for a table, with its unit
   double scale = 1.0;        // of the value, for a table
@@ -20,8 +20,8 @@ struct Measure {
 };
 
 // What there is to know about a run of a plan; simulated ones only if there are episodes.
-const std::vector<Measure>& measures(bool simulated);
-// The value of measures(simulated)[measure]. REQUIRES: the result has it.
+const std::vector<SweepColumn>& sweep_columns(bool simulated);
+// The value of sweep_columns(simulated)[measure]. REQUIRES: the result has it.
 double value_of(const SweepResult& result, std::size_t measure);
 
 struct Summary {

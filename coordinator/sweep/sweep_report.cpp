@@ -99,14 +99,14 @@ std::string to_text(const SweepPlan& plan, const SweepResults& results) {
   if (rows.empty()) {
     return "no run has ended\n";
   }
-  const auto& columns = measures(is_simulated(rows));
+  const auto& columns = sweep_columns(is_simulated(rows));
   std::size_t width = 0;
   for (const Row& row : rows) {
     width = std::max(width, plan.label(row.setting).size());
   }
   constexpr std::size_t kColumn = 16;
   std::string text = fmt::format("{:{}}  runs", "setting", width);
-  for (const Measure& measure : columns) {
+  for (const SweepColumn& measure : columns) {
     fmt::format_to(std::back_inserter(text), "  {:>{}}", measure.title, kColumn);
   }
   text += "\n";
@@ -114,7 +114,7 @@ std::string to_text(const SweepPlan& plan, const SweepResults& results) {
     fmt::format_to(std::back_inserter(text), "{:{}}  {:4}", plan.label(row.setting), width, row.runs.size());
     for (std::size_t m = 0; m < columns.size(); ++m) {
       const Summary summary = row.summary(m);
-      const Measure& measure = columns[m];
+      const SweepColumn& measure = columns[m];
       const std::string cell = fmt::format("{:.{}f} +-{:.{}f}", summary.mean * measure.scale, measure.decimals,
                                            summary.margin * measure.scale, measure.decimals);
       fmt::format_to(std::back_inserter(text), "  {:>{}}", cell, kColumn);
@@ -131,9 +131,9 @@ std::string to_text(const SweepPlan& plan, const SweepResults& results) {
 
 std::string settings_csv(const SweepPlan& plan, const SweepResults& results) {
   const std::vector<Row> rows = rows_of(plan, results);
-  const auto& columns = measures(is_simulated(rows));
+  const auto& columns = sweep_columns(is_simulated(rows));
   std::string text = keys_csv(plan) + "runs";
-  for (const Measure& measure : columns) {
+  for (const SweepColumn& measure : columns) {
     fmt::format_to(std::back_inserter(text), ",{0}_mean,{0}_deviation,{0}_interval,{0}_median,{0}_low,{0}_high",
                    measure.name);
   }
@@ -152,9 +152,9 @@ std::string settings_csv(const SweepPlan& plan, const SweepResults& results) {
 
 std::string runs_csv(const SweepPlan& plan, const SweepResults& results, const Vocabulary& vocabulary) {
   const std::vector<Row> rows = rows_of(plan, results);
-  const auto& columns = measures(is_simulated(rows));
+  const auto& columns = sweep_columns(is_simulated(rows));
   std::string text = keys_csv(plan) + "seed";
-  for (const Measure& measure : columns) {
+  for (const SweepColumn& measure : columns) {
     text += "," + measure.name;
   }
   text += ",tree\n";
@@ -172,7 +172,7 @@ std::string runs_csv(const SweepPlan& plan, const SweepResults& results, const V
 
 std::string to_json(const SweepPlan& plan, const SweepResults& results, const Vocabulary& vocabulary) {
   const std::vector<Row> rows = rows_of(plan, results);
-  const auto& columns = measures(is_simulated(rows));
+  const auto& columns = sweep_columns(is_simulated(rows));
   Json settings = Json::array();
   for (const Row& row : rows) {
     Json json = {{"setting", values_json(plan, row.setting)}, {"runs", row.runs.size()}};
@@ -201,7 +201,7 @@ std::optional<IntervalPlot> plot_of(const SweepPlan& plan, const SweepResults& r
   for (const Row& row : rows) {
     plot.settings.push_back(plan.label(row.setting));
   }
-  const auto& columns = measures(is_simulated(rows));
+  const auto& columns = sweep_columns(is_simulated(rows));
   for (std::size_t m = 0; m < columns.size(); ++m) {
     PlotPanel panel{columns[m].title, {}};
     for (const Row& row : rows) {

@@ -32,13 +32,17 @@ const std::map<std::string, std::set<std::string>> kArrows = {
     {"coordinator/report",
      {"common", "common/tree", "common/chain", "common/fitness", "coordinator/learning", "coordinator/evolution",
       "coordinator/study", "coordinator/dispatch"}},
+    {"coordinator/trust", {"common", "common/tree", "common/chain", "coordinator/learning", "coordinator/report"}},
+    {"coordinator/reproduce",
+     {"common", "common/tree", "common/chain", "coordinator/learning", "coordinator/evolution", "coordinator/dispatch",
+      "coordinator/study", "coordinator/report", "coordinator/trust"}},
     {"coordinator/sweep",
      {"common", "common/tree", "common/chain", "coordinator/learning", "coordinator/dispatch", "coordinator/evolution",
       "coordinator/report"}},
     {"coordinator/commands",
      {"common", "common/tree", "common/chain", "common/fitness", "coordinator", "coordinator/learning",
       "coordinator/dispatch", "coordinator/bench", "coordinator/evolution", "coordinator/study", "coordinator/report",
-      "coordinator/sweep"}},
+      "coordinator/sweep", "coordinator/trust", "coordinator/reproduce"}},
     {"coordinator", {"common", "coordinator/commands", "coordinator/report"}},
 };
 

@@ -1,6 +1,11 @@
 // A program that speaks the wire contract badly, on purpose, for the tests:
 //   stranger DOMAIN noise   writes damaged and foreign samples of every kind that a worker may write, then leaves
 //   stranger DOMAIN next    a worker of the next protocol version
+//   stranger DOMAIN knock   says that it is a worker and answers batches that it was never given, for 3 s; prints how
+//                           many samples it heard
+//   stranger DOMAIN rule    tries to write what only a coordinator may write; prints what it was allowed
+// It goes to the coordinator on this machine, or on COPPICE_STRANGER_HOST. A third argument is the folder of an
+// identity under DDS Security.
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -19,6 +24,7 @@ using namespace coppice;
 
 constexpr int kMostWaits = 600;  // of 100 ms, for the coordinator
 constexpr std::int64_t kAcknowledgeMs = 10'000;
+constexpr std::chrono::seconds kKnockingTime{3};
 
 int fail(const std::string& what) {
   std::fprintf(stderr, "stranger: %s\n", what.c_str());
@@ -82,9 +88,14 @@ void write_hello(wire::Writer<wire::Hello>& hellos, const wire::Control& control
   }
 }
 
-int make_noise(std::uint32_t domain) {
-  const auto configuration = required(wire::worker_configuration("127.0.0.1", domain));
-  const auto participant = required(wire::Participant::join(domain, configuration));
+wire::Participant join(std::uint32_t domain, const wire::Network& network) {
+  const char* host = std::getenv("COPPICE_STRANGER_HOST");
+  return required(wire::Participant::join(
+      domain, required(wire::worker_configuration(host == nullptr ? "127.0.0.1" : host, domain, network))));
+}
+
+int make_noise(std::uint32_t domain, const wire::Network& network) {
+  const auto participant = join(domain, network);
   const auto controls = required(wire::Reader<wire::Control>::make(participant));
   const auto tasks = required(wire::Reader<wire::Task>::make(participant, wire::partition_of(0xBAD)));
   auto waiter = required(wire::Waiter::make(participant));
@@ -138,6 +149,44 @@ int make_noise(std::uint32_t domain) {
   return 0;
 }
 
+int knock(std::uint32_t domain, const wire::Network& network) {
+  const auto participant = join(domain, network);
+  const auto controls = required(wire::Reader<wire::Control>::make(participant));
+  const auto tasks = required(wire::Reader<wire::Task>::make(participant, wire::partition_of(0xBAD)));
+  auto waiter = required(wire::Waiter::make(participant));
+  auto hellos = required(wire::Writer<wire::Hello>::make(participant));
+  auto answers = required(wire::Writer<wire::Answer>::make(participant));
+  wire::Control guessed{};
+  guessed.protocol = wire::kProtocolVersion;
+  guessed.run_id = 1;
+  std::size_t heard = 0;
+  const auto end = std::chrono::steady_clock::now() + kKnockingTime;
+  while (std::chrono::steady_clock::now() < end) {
+    write_hello(hellos, guessed);
+    write_answers(answers, guessed);
+    waiter.wait(std::chrono::milliseconds(100));
+    heard += controls.take(16, [](const wire::Control&, const dds_sample_info_t&) {});
+    heard += tasks.take(16, [](const wire::Task&, const dds_sample_info_t&) {});
+  }
+  std::printf("heard %zu samples\n", heard);
+  return 0;
+}
+
+template <typename Sample>
+void try_to_write(const wire::Participant& participant, const char* name) {
+  auto writer = wire::Writer<Sample>::make(participant);
+  std::printf("%s: %s\n", name, writer ? "allowed" : writer.error().message.c_str());
+}
+
+int rule(std::uint32_t domain, const wire::Network& network) {
+  const auto participant = join(domain, network);
+  try_to_write<wire::Control>(participant, "Control");
+  try_to_write<wire::Task>(participant, "Task");
+  try_to_write<wire::ChainBlock>(participant, "ChainBlock");
+  try_to_write<wire::Hello>(participant, "Hello");
+  return 0;
+}
+
 int serve_next_version(std::uint32_t domain) {
   block_stop_signals();
   StopFlag stop;
@@ -153,9 +202,18 @@ int serve_next_version(std::uint32_t domain) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    return fail("usage: stranger DOMAIN noise|next");
+  if (argc != 3 && argc != 4) {
+    return fail("usage: stranger DOMAIN noise|next|knock|rule [IDENTITY]");
   }
   const auto domain = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10));
-  return std::string_view(argv[2]) == "noise" ? make_noise(domain) : serve_next_version(domain);
+  wire::Network network;
+  network.security = argc == 4 ? argv[3] : "";
+  const std::string_view mode(argv[2]);
+  if (mode == "noise") {
+    return make_noise(domain, network);
+  }
+  if (mode == "knock") {
+    return knock(domain, network);
+  }
+  return mode == "rule" ? rule(domain, network) : serve_next_version(domain);
 }

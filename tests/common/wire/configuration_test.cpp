@@ -23,6 +23,17 @@ TEST(Configuration, TellsInterfacesByNameAndByAddress) {
   EXPECT_NE(unknown.error().message.find("lo (127.0.0.1)"), std::string::npos) << unknown.error().message;
 }
 
+TEST(Configuration, SaysNothingOfWhatIsNotAskedFor) {
+  const std::string plain = coordinator_configuration("lo");
+  for (const char* element : {"<Security>", "MaxMessageSize", "NackDelay"}) {
+    EXPECT_EQ(plain.find(element), std::string::npos) << element;
+  }
+  const std::string asked = coordinator_configuration("lo", {.security = "/a & \"b\"", .lossy = true, .port = {}});
+  EXPECT_NE(asked.find("file:/a &amp; &quot;b&quot;/key.pem"), std::string::npos) << asked;
+  EXPECT_NE(asked.find("<MaxMessageSize>1152B</MaxMessageSize>"), std::string::npos) << asked;
+  EXPECT_NE(asked.find("<NackDelay>1ms</NackDelay>"), std::string::npos) << asked;
+}
+
 TEST(Configuration, RefusesAHostThatDoesNotResolve) {
   const auto worker = worker_configuration("no such host", 0);
   ASSERT_FALSE(worker.has_value());

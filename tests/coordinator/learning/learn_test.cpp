@@ -280,6 +280,24 @@ TEST(Learn, SarsaFindsTheGoalOnTheWindyGrid) {
   }
 }
 
+TEST(Learn, GreedyEpisodesComeBehindTheOthersAndExploreNothing) {
+  LearnSettings settings = default_settings(WorldKind::windy, Algorithm::sarsa);
+  settings.greedy_episodes = 300;
+  EXPECT_EQ(exploration(settings, settings.episodes + 1), 0.0);
+  settings.decay = Decay::printed;
+  EXPECT_EQ(exploration(settings, settings.episodes + 300), 0.0);
+  settings.decay = Decay::linear;
+  const World world{WorldKind::windy, ""};
+  const auto learned = learn(world, settings, {});
+  ASSERT_TRUE(learned);
+  // Without exploration SARSA comes to rest, some time after the last episode that explored.
+  EXPECT_GT(learned->last_change_episode, settings.episodes);
+  EXPECT_LT(learned->last_change_episode, settings.episodes + 300);
+  EXPECT_LT(learned->largest_change, kConvergedChange);
+  settings.greedy_episodes = ~std::uint64_t{0};
+  EXPECT_FALSE(check_settings(settings));
+}
+
 TEST(Learn, SarsaAndQLearningDisagreeWhileTheyExplore) {
   const World world = testing::world(small_room());
   const Learned q = learned(world, quick(Algorithm::q_learning));

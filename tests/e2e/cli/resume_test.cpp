@@ -1,43 +1,12 @@
 // A coordinator that is killed loses nothing: resumed, it ends with the very result of a run that was left alone.
 #include <signal.h>
 
-#include "tests/e2e/cli/command_line.hpp"
+#include "tests/e2e/cli/evolved_study.hpp"
 
 namespace coppice::e2e {
 namespace {
 
-class Resume : public CommandLine {
- protected:
-  void SetUp() override { learn_study(); }
-
-  static std::vector<std::string> evolve(const std::string& study, std::vector<std::string> more) {
-    std::vector<std::string> arguments = {"evolve", study};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
-  }
-
-  // The run's figures without those that say how and how fast they were computed.
-  static nlohmann::json figures(nlohmann::json report) {
-    for (const char* differs : {"study", "evaluator", "seconds", "dispatch"}) {
-      report.erase(differs);
-    }
-    return report;
-  }
-
-  // Every generation's statistics, as the study holds them.
-  nlohmann::json runs(const std::string& study) const {
-    nlohmann::json list = coppice_json({"info", study, "--json"})["runs"];
-    for (nlohmann::json& run : list) {
-      for (const char* differs : {"evaluator", "started", "ended"}) {
-        run.erase(differs);
-      }
-      if (run.contains("result")) {
-        run["result"] = figures(run["result"]);
-      }
-    }
-    return list;
-  }
-};
+class Resume : public EvolvedStudy {};
 
 TEST_F(Resume, AfterTheCoordinatorWasKilledAgainAndAgainGivesTheSameResult) {
   write("other.coppice", read("study.coppice"));
@@ -60,7 +29,7 @@ TEST_F(Resume, AfterTheCoordinatorWasKilledAgainAndAgainGivesTheSameResult) {
   }
   const auto resumed = coppice_json(evolve("study.coppice", {"--resume", "--workers", "1", "--json"}));
   EXPECT_EQ(figures(resumed), figures(expected));
-  EXPECT_EQ(runs("study.coppice"), runs("other.coppice"));
+  expect_same_runs("study.coppice", runs("other.coppice"));
 }
 
 TEST_F(Resume, OfAFrontGivesTheSameFrontWithAndWithoutWorkers) {

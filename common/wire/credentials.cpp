@@ -1,0 +1,95 @@
+#include "common/wire/credentials.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <fmt/format.h>
+#include <memory>
+#include <openssl/pem.h>
+#include <openssl/x509.h>
+#include <system_error>
+
+namespace coppice::wire {
+namespace {
+
+using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+using Certificate = std::unique_ptr<X509, decltype(&X509_free)>;
+using Key = std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)>;
+
+Result<File> open_file(const std::filesystem::path& path) {
+  File file(std::fopen(path.c_str(), "rbe"), &std::fclose);
+  if (file == nullptr) {
+    return bad_input(fmt::format("--security: cannot read {}: {} (deploy/security/make-certificates.sh makes it)",
+                                 path.string(), std::generic_category().message(errno)));
+  }
+  return file;
+}
+
+Result<Certificate> read_certificate(const std::filesystem::path& path) {
+  auto file = open_file(path);
+  if (!file) {
+    return tl::unexpected(file.error());
+  }
+  Certificate certificate(PEM_read_X509(file->get(), nullptr, nullptr, nullptr), &X509_free);
+  if (certificate == nullptr) {
+    return bad_input(fmt::format("--security: {} holds no certificate: expected one in PEM", path.string()));
+  }
+  return certificate;
+}
+
+Result<Key> read_key(const std::filesystem::path& path) {
+  auto file = open_file(path);
+  if (!file) {
+    return tl::unexpected(file.error());
+  }
+  // Without a terminal nobody could be asked for a pass phrase.
+  const auto no_phrase = [](char*, int, int, void*) { return -1; };
+  Key key(PEM_read_PrivateKey(file->get(), nullptr, no_phrase, nullptr), &EVP_PKEY_free);
+  if (key == nullptr) {
+    return bad_input(
+        fmt::format("--security: {} holds no private key: expected one in PEM, without a pass phrase", path.string()));
+  }
+  return key;
+}
+
+}  // namespace
+
+Result<void> check_credentials(const std::filesystem::path& folder) {
+  for (const char* name : {kPermissionsAuthority, kGovernance, kPermissions}) {
+    if (auto file = open_file(folder / name); !file) {
+      return tl::unexpected(file.error());
+    }
+  }
+  const auto authority = read_certificate(folder / kIdentityAuthority);
+  if (!authority) {
+    return tl::unexpected(authority.error());
+  }
+  const auto certificate = read_certificate(folder / kCertificate);
+  if (!certificate) {
+    return tl::unexpected(certificate.error());
+  }
+  const auto key = read_key(folder / kPrivateKey);
+  if (!key) {
+    return tl::unexpected(key.error());
+  }
+  if (X509_check_private_key(certificate->get(), key->get()) != 1) {
+    return bad_input(
+        fmt::format("--security: {} is not the key of {} beside it", (folder / kPrivateKey).string(), kCertificate));
+  }
+  if (X509_verify(certificate->get(), X509_get0_pubkey(authority->get())) != 1) {
+    return bad_input(fmt::format("--security: {} was not signed by {} beside it", (folder / kCertificate).string(),
+                                 kIdentityAuthority));
+  }
+  if (X509_cmp_current_time(X509_get0_notBefore(certificate->get())) > 0) {
+    return bad_input(fmt::format("--security: {} is not valid yet: is this machine's clock right?",
+                                 (folder / kCertificate).string()));
+  }
+  if (X509_cmp_current_time(X509_get0_notAfter(certificate->get())) < 0) {
+    return bad_input(
+        fmt::format("--security: {} is not valid any more: make another with "
+                    "deploy/security/make-certificates.sh",
+                    (folder / kCertificate).string()));
+  }
+  return {};
+}
+
+}  // namespace coppice::wire

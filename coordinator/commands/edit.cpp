@@ -1,0 +1,182 @@
+#include "coordinator/trust/edit.hpp"
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <fmt/format.h>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "common/tree/text.hpp"
+#include "coordinator/commands/commands.hpp"
+#include "coordinator/commands/learn_options.hpp"
+#include "coordinator/commands/tree_option.hpp"
+#include "coordinator/commands/whole_number.hpp"
+#include "coordinator/report/json_line.hpp"
+#include "coordinator/report/score.hpp"
+#include "coordinator/report/whole_file.hpp"
+#include "coordinator/trust/tree_figures.hpp"
+#include "coordinator/trust/verification_report.hpp"
+
+namespace coppice {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string study;
+  TreeOption tree;
+  std::vector<std::string> replacements;
+  std::vector<std::string> insertions;
+  std::vector<std::string> deletions;
+  std::string output;
+  std::optional<std::uint32_t> steps;
+  std::uint64_t episodes = SimulateSettings{}.episodes;
+  std::uint64_t seed = SimulateSettings{}.seed;
+  bool json = false;
+};
+
+Result<std::vector<TreeEdit>> edits_of(const Options& options, const Vocabulary& vocabulary) {
+  using Kind = TreeEdit::Kind;
+  const std::array<std::tuple<const char*, Kind, const std::vector<std::string>*>, 3> given = {
+      {{"--replace", Kind::replace, &options.replacements},
+       {"--insert", Kind::insert, &options.insertions},
+       {"--delete", Kind::remove, &options.deletions}}};
+  std::vector<TreeEdit> edits;
+  for (const auto& [flag, kind, texts] : given) {
+    for (const std::string& text : *texts) {
+      Result<TreeEdit> edit = parse_edit(kind, text, vocabulary);
+      if (!edit) {
+        return in_context(fmt::format("{} '{}'", flag, text), std::move(edit).error());
+      }
+      edits.push_back(std::move(*edit));
+    }
+  }
+  return edits;
+}
+
+Result<TreeFigures> scored(const Tree& tree, const Study& study, const SimulateSettings& settings,
+                           const StopFlag& stop) {
+  TreeFigures figures = figures_of(study.chain(), tree, settings.steps);
+  if (study.world().kind == kNoWorld) {
+    return figures;
+  }
+  const Result<World> world = make_world(study.world().kind, study.world().room);
+  if (!world) {
+    return in_context(study.path(), world.error());
+  }
+  const auto episodes = simulate_tree(*world, study.chain(), tree, settings, [&] { return !stop.raised(); });
+  if (episodes.size() < settings.episodes) {
+    return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+  }
+  figures.simulated = controller_score(episodes);
+  return figures;
+}
+
+Json json_of(const Tree& tree, const TreeFigures& figures, const Vocabulary& vocabulary) {
+  Json json = {{"tree", to_text(tree, vocabulary)},
+               {"nodes", figures.nodes},
+               {"agreement_over_states", figures.coverage()},
+               {"agreement_along_chain", figures.agreement},
+               {"reward_along_chain", figures.reward}};
+  if (figures.simulated) {
+    const ControllerScore& score = *figures.simulated;
+    json["agreement_in_simulation"] = {{"mean", score.agreement.mean}, {"margin", score.agreement.margin}};
+    json["reward_in_simulation"] = {{"mean", score.reward.mean}, {"margin", score.reward.margin}};
+    json["collisions"] = score.total_collisions;
+  }
+  return json;
+}
+
+Result<void> edit_command(const Options& options, const StopFlag& stop) {
+  const Result<Study> study = Study::open(options.study, Study::Access::read);
+  if (!study) {
+    return tl::unexpected(study.error());
+  }
+  const Result<Tree> tree = tree_of(options.tree, *study);
+  if (!tree) {
+    return tl::unexpected(tree.error());
+  }
+  if (!options.output.empty()) {
+    if (const Result<void> checked = check_other_file("-o", options.output, options.study); !checked) {
+      return checked;
+    }
+  }
+  const Vocabulary& vocabulary = study->chain().vocabulary();
+  const Result<std::vector<TreeEdit>> edits = edits_of(options, vocabulary);
+  if (!edits) {
+    return tl::unexpected(edits.error());
+  }
+  const Result<Tree> edited = apply_edits(*tree, *edits);
+  if (!edited) {
+    return tl::unexpected(edited.error());
+  }
+  const SimulateSettings settings{.episodes = options.episodes,
+                                  .steps = options.steps ? *options.steps : learned_steps(*study),
+                                  .seed = options.seed};
+  if (const Result<void> checked = check_score_settings(settings); !checked) {
+    return checked;
+  }
+  const Result<TreeFigures> before = scored(*tree, *study, settings, stop);
+  if (!before) {
+    return tl::unexpected(before.error());
+  }
+  const Result<TreeFigures> after = edits->empty() ? before : scored(*edited, *study, settings, stop);
+  if (!after) {
+    return tl::unexpected(after.error());
+  }
+  if (!options.output.empty()) {
+    if (const auto written = write_whole_file(options.output, to_text(*edited, vocabulary) + "\n"); !written) {
+      return written;
+    }
+  }
+  if (options.json) {
+    const Json json = {{"before", json_of(*tree, *before, vocabulary)},
+                       {"after", json_of(*edited, *after, vocabulary)}};
+    fmt::print("{}\n", json_line(json));
+    return {};
+  }
+  if (edits->empty()) {
+    fmt::print("{}\n{}", numbered(*tree, vocabulary), side_by_side({"now"}, {*before}));
+    return {};
+  }
+  fmt::print("before:\n{}\nafter:\n{}\n{}{}\n", numbered(*tree, vocabulary), numbered(*edited, vocabulary),
+             side_by_side({"before", "after"}, {*before, *after}), to_text(*edited, vocabulary));
+  return {};
+}
+
+}  // namespace
+
+void add_edit(CLI::App& app, Invocation& invocation) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("edit", "Change a tree by hand, and see its scores before and after");
+  command->add_option("STUDY", options->study, "The study file")->required();
+  add_tree_option(*command, options->tree);
+  const auto add_change = [&](const char* flag, std::vector<std::string>& into, const char* help, const char* type) {
+    command->add_option(flag, into, help)->type_name(type)->allow_extra_args(false);
+  };
+  add_change("--replace", options->replacements, "Replace node N; may be repeated", "'N SUBTREE'");
+  add_change("--insert", options->insertions,
+             "Insert a child into node N, in front of its child number P; may be repeated", "'N P SUBTREE'");
+  add_change("--delete", options->deletions, "Delete node N and what is under it; may be repeated", "N");
+  command->add_option("-o,--output", options->output, "Write the tree to this file")->type_name("FILE");
+  command->add_option("--episodes", options->episodes, "Episodes in the simulator")
+      ->check(whole_number())
+      ->capture_default_str();
+  command->add_option("--steps", options->steps, "Steps per episode (default: as in learning)")->check(whole_number());
+  command->add_option("--seed", options->seed, "Of the simulator")->check(whole_number())->capture_default_str();
+  command->add_flag("--json", options->json, "Report as one JSON object");
+  command->footer(
+      "Nodes are numbered as shown, from 0 for the root; children from 0. All numbers are those of the tree before "
+      "any\n"
+      "change. Without a change: the numbered tree and its scores.\n"
+      "Examples:\n"
+      "  coppice edit uav.coppice\n"
+      "  coppice edit uav.coppice --insert '0 0 (sequence s5=3 turn_right)' -o better.tree\n"
+      "  coppice edit uav.coppice --tree better.tree --replace '3 s1=0' --delete 7");
+  command->callback([&invocation, options] {
+    invocation.chosen = [&invocation, options] { return edit_command(*options, invocation.stop); };
+  });
+}
+
+}  // namespace coppice

@@ -1,0 +1,88 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <memory>
+#include <optional>
+
+#include "coordinator/commands/commands.hpp"
+#include "coordinator/commands/learn_options.hpp"
+#include "coordinator/commands/tree_option.hpp"
+#include "coordinator/commands/whole_number.hpp"
+#include "coordinator/report/json_line.hpp"
+#include "coordinator/trust/explanation_report.hpp"
+
+namespace coppice {
+namespace {
+
+struct Options {
+  std::string study;
+  TreeOption tree;
+  std::string weights = std::string(name_of(Weighting::tree));
+  std::optional<std::uint32_t> steps;
+  std::uint32_t tests = ExplainSettings{}.tests;
+  std::uint32_t groups = ExplainSettings{}.groups;
+  std::uint64_t most_states = 10;
+  bool json = false;
+};
+
+Result<void> explain_command(const Options& options) {
+  const Result<Study> study = Study::open(options.study, Study::Access::read);
+  if (!study) {
+    return tl::unexpected(study.error());
+  }
+  const Result<Tree> tree = tree_of(options.tree, *study);
+  if (!tree) {
+    return tl::unexpected(tree.error());
+  }
+  const Result<Weighting> weighting = weighting_named(options.weights);
+  if (!weighting) {
+    return in_context("--weights", weighting.error());
+  }
+  const ExplainSettings settings{.weighting = *weighting,
+                                 .steps = options.steps ? *options.steps : learned_steps(*study),
+                                 .tests = options.tests,
+                                 .groups = options.groups};
+  if (const Result<void> checked = check_settings(settings); !checked) {
+    return checked;
+  }
+  const ExplainReport report = explain_report(study->chain(), *tree, settings);
+  if (options.json) {
+    fmt::print("{}\n", json_line(to_json(report, study->chain(), *tree, options.most_states)));
+  } else {
+    fmt::print("{}", to_text(report, study->chain(), *tree, options.most_states));
+  }
+  return {};
+}
+
+}  // namespace
+
+void add_explain(CLI::App& app, Invocation& invocation) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("explain", "Where tree and policy differ, what it costs, and which branch to add next");
+  command->add_option("STUDY", options->study, "The study file")->required();
+  add_tree_option(*command, options->tree);
+  command
+      ->add_option("--weights", options->weights,
+                   "What a state weighs: visits of the tree, of the policy, or in learning; or all states the same")
+      ->type_name("tree|policy|learning|states")
+      ->capture_default_str();
+  command->add_option("--steps", options->steps, "Steps per episode (default: as in learning)")->check(whole_number());
+  command->add_option("--tests", options->tests, "Tests in a branch, at most")
+      ->check(whole_number())
+      ->capture_default_str();
+  command->add_option("--groups", options->groups, "Branches to suggest, at most")
+      ->check(whole_number())
+      ->capture_default_str();
+  command->add_option("--states", options->most_states, "Costliest states to list")
+      ->check(whole_number())
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Report as one JSON object");
+  command->footer(
+      "Each suggestion is what 'coppice edit' takes.\n"
+      "Examples:\n"
+      "  coppice explain uav.coppice\n"
+      "  coppice explain uav.coppice --tree best.tree --weights states --tests 2");
+  command->callback([&invocation, options] { invocation.chosen = [options] { return explain_command(*options); }; });
+}
+
+}  // namespace coppice

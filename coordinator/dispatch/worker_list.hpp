@@ -1,0 +1,55 @@
+// Who is on a domain, for those who only look: asked of its coordinator, or, where there is none, heard from the
+// workers that wait for one. Texts in it come from the network and are fit for a terminal.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/error.hpp"
+#include "common/stop.hpp"
+
+namespace coppice {
+
+struct ListedWorker {
+  std::string host;
+  std::uint32_t pid = 0;
+  std::uint32_t cores = 0;
+  std::uint32_t threads = 0;
+  std::uint32_t protocol = 0;
+  std::string version;
+  std::string doing;                  // in a few words
+  std::uint64_t evaluated = 0;        // individuals since its start
+  std::uint64_t each_second = 0;      // of them, lately
+  std::chrono::milliseconds seen{0};  // since its last sign of life
+};
+
+struct WorkerList {
+  struct Coordinator {
+    std::string host;
+    std::uint32_t pid = 0;
+    std::string version;
+    std::string chain;  // hash
+  };
+  std::optional<Coordinator> coordinator;
+  std::vector<ListedWorker> workers;  // by host, then pid
+};
+
+struct WorkerListOptions {
+  std::uint32_t domain = 0;
+  std::string coordinator;           // host; empty: this machine
+  std::string interface;             // of this machine, by name or address; empty: any
+  std::filesystem::path security;    // folder of a coordinator's identity; empty: none
+  std::chrono::seconds patience{3};  // for a coordinator to answer
+};
+
+// How long it listens to workers where there is no coordinator. It holds the coordinator's port meanwhile.
+inline constexpr std::chrono::milliseconds kListeningTime{1500};
+
+// Errors: no such interface; a coordinator that does not answer; interrupted.
+Result<WorkerList> list_workers(const WorkerListOptions& options, const StopFlag& stop);
+
+}  // namespace coppice

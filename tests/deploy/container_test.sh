@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# deploy/container: the image is built with buildah on a base made by debootstrap, where no registry can be reached, and
+# a coordinator and two workers run from it (isolated by chroot, which needs no cgroups) evolve the serial result. Takes
+# minutes, so it is run by hand:
+#   tests/deploy/container_test.sh SOURCE      needs root, buildah, debootstrap and a Debian mirror
+set -euo pipefail
+source=$(cd "$1" && pwd)
+[ "$(id -u)" -eq 0 ] || { echo "skipped: needs root"; exit 77; }
+for program in buildah debootstrap; do
+  command -v $program > /dev/null || { echo "skipped: no $program"; exit 77; }
+done
+work=${COPPICE_CONTAINER_FOLDER:-$(mktemp -d /var/tmp/coppice-container.XXXXXX)}
+mkdir -p "$work/store" "$work/run" "$work/data"
+store=(--root "$work/store" --runroot "$work/run" --storage-driver vfs)
+workers=()
+finish() {
+  kill "${workers[@]}" 2> /dev/null || true
+  wait
+  [ -n "${COPPICE_CONTAINER_FOLDER:-}" ] || rm -rf "$work"
+}
+trap finish EXIT
+
+[ -d "$work/base/usr" ] || debootstrap --variant=minbase bookworm "$work/base" "${MIRROR:-http://deb.debian.org/debian}" > /dev/null
+base=$(buildah "${store[@]}" from scratch)
+buildah "${store[@]}" add -q "$base" "$work/base" / > /dev/null
+buildah "${store[@]}" commit -q "$base" localhost/debian-base > /dev/null
+buildah "${store[@]}" build --isolation chroot --build-arg BASE=localhost/debian-base -t coppice \
+  -f "$source/deploy/container/Containerfile" "$source"
+
+container=$(buildah "${store[@]}" from coppice)
+inside() { buildah "${store[@]}" run --isolation chroot -v "$work/data:/work" "$container" "$@"; }
+coppice() { inside coppice "$@"; }
+coppice learn -o study.coppice --episodes 400 --seed 5
+cp "$work/data/study.coppice" "$work/data/serial.coppice"
+coppice evolve serial.coppice --serial --seed 4 --set ga.generations=60
+for _ in 1 2; do
+  inside coppice-worker --coordinator 127.0.0.1 --domain 207 & workers+=($!)
+done
+coppice evolve study.coppice --remote --domain 207 --seed 4 --set ga.generations=60
+figures() { coppice info "$1" --json | sed -E 's/"(started|ended|evaluator|study)":"[^"]*",?//g; s/"seconds":[^,}]*,?//g; s/"dispatch":\{[^}]*\},?//g'; }
+diff <(figures serial.coppice) <(figures study.coppice)
+echo "containers evolved the serial result"

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# deploy/systemd: the unit is valid, and its command line with its environment makes a worker that serves.
+#   systemd_test.sh SOURCE BIN      exit 77: skipped
+set -euo pipefail
+source=$1
+bin=$2
+command -v systemd-analyze > /dev/null || { echo "skipped: no systemd-analyze"; exit 77; }
+folder=$(mktemp -d)
+worker=
+trap 'kill $worker 2> /dev/null || true; wait; rm -rf "$folder"' EXIT
+
+# The verifier wants programs and files where the unit has them.
+sed "s|/usr/local/bin/coppice-worker|$bin/coppice-worker|; s|/etc/coppice|$folder|" \
+  "$source/deploy/systemd/coppice-worker@.service" > "$folder/coppice-worker@.service"
+cp "$source/deploy/systemd/worker.conf" "$folder/"
+said=$(systemd-analyze verify "$folder/coppice-worker@3.service" 2>&1 | grep "coppice-worker" || true)
+[ -z "$said" ] || { echo "$said"; exit 1; }
+
+# What ExecStart says, in a domain of the test's own and with this machine as coordinator.
+. <(sed 's/=\(.*\)/="\1"/' "$folder/worker.conf")
+COPPICE_COORDINATOR=127.0.0.1
+line=$(sed -n 's/^ExecStart=//p' "$folder/coppice-worker@.service")
+line=${line//%i/206}
+eval "exec $line" 2> "$folder/log" & worker=$!
+"$bin/coppice" learn -o "$folder/study.coppice" --episodes 200 > /dev/null 2>&1
+"$bin/coppice" evolve "$folder/study.coppice" --remote --domain 206 --wait 60 --set ga.generations=10 > /dev/null 2>&1
+grep -q "serving the coordinator" "$folder/log"
+echo "the unit is valid and its command serves"

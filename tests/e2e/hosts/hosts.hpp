@@ -1,0 +1,52 @@
+// Hosts made of network namespaces: each has an interface eth0 of its own (10.99.0.1, 10.99.0.2, ...), joined by a
+// bridge in one more namespace, the switch. Links go down, lose, delay and shrink as a test asks. Needs root; who has
+// not gets to know from why_not(). Everything is gone with the object, and what a killed test left behind, with the
+// next one.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/e2e/process.hpp"
+
+namespace coppice::e2e {
+
+class Hosts {
+ public:
+  // Why there can be none here; empty: there can.
+  static std::optional<std::string> why_not();
+
+  // Hosts 1 to `count`. REQUIRES: !why_not(). Throws when a command fails.
+  explicit Hosts(std::size_t count);
+  Hosts(const Hosts&) = delete;
+  Hosts& operator=(const Hosts&) = delete;
+  ~Hosts();
+
+  static std::string address(std::size_t host) { return "10.99.0." + std::to_string(host); }
+  // The command, to be run on a host.
+  Command on(std::size_t host, Command command) const;
+
+  void set_link(std::size_t host, bool up) const;
+  // Bytes of a packet on this host's link; with `fragments` false the network drops what was cut into pieces.
+  void set_mtu(std::size_t host, int bytes) const;
+  void drop_fragments() const;
+  // Of all packets that cross the switch; 0: none.
+  void lose(int percent) const;
+  // Each way, on this host's link.
+  void delay(std::size_t host, int milliseconds);
+  // nftables rules in a chain that sees what a host takes in; all else is dropped but on its loopback interface.
+  void admit_only(std::size_t host, const std::string& rules) const;
+
+ private:
+  std::string name(std::size_t host) const { return prefix_ + "h" + std::to_string(host); }
+  std::string network_switch() const { return prefix_ + "sw"; }
+
+  std::string prefix_;
+  std::size_t count_;
+  std::vector<std::unique_ptr<Process>> delays_;
+};
+
+}  // namespace coppice::e2e
