@@ -16,9 +16,9 @@ import tempfile
 
 RULES = {
     "the answer": None,
-    "best coverage": "best coverage with collisions<=0 and unknown<=0",
-    "best agreement": "best agreement with collisions<=0 and unknown<=0",
-    "best return": "best return with collisions<=0 and unknown<=0",
+    "best coverage": "best coverage with collisions<=0 and unknown<=0.05",
+    "best agreement": "best agreement with collisions<=0 and unknown<=0.05",
+    "best return": "best return with collisions<=0 and unknown<=0.05",
 }
 
 
@@ -51,7 +51,7 @@ def main():
                                       "--json"] + settings + evaluator))
             seconds.append(run["seconds"])
             for name, rule in RULES.items():
-                tree = run["tree"] if rule is None else coppice([options.coppice, "front", study, "--pick", rule]).strip()
+                tree = run["pruned"] if rule is None else coppice([options.coppice, "front", study, "--pick", rule]).strip()
                 score = json.loads(coppice([options.coppice, "score", study, "--json", "--tree", tree]))
                 pruned = score["pruned"]
                 found[name].append({"nodes": score["nodes"]["pruned"], "states": 100 * pruned["agreement_over_states"],
