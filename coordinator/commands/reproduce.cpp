@@ -45,13 +45,11 @@ Result<void> reproduce_command(const Options& options, const StopFlag& stop) {
   if (const Result<void> checked = check_settings(options.settings); !checked) {
     return checked;
   }
-  const Result<EvaluatorChoice> choice = evaluator_choice({.workers = options.workers,
-                                                           .serial = !options.workers,
-                                                           .remote = false,
-                                                           .interface = std::nullopt,
-                                                           .domain = std::nullopt,
-                                                           .wait_seconds = std::nullopt,
-                                                           .worker_program = options.worker_program});
+  EvaluatorOption evaluator;
+  evaluator.workers = options.workers;
+  evaluator.serial = !options.workers;
+  evaluator.worker_program = options.worker_program;
+  const Result<EvaluatorChoice> choice = evaluator_choice(evaluator);
   if (!choice) {
     return tl::unexpected(choice.error());
   }
