@@ -324,7 +324,16 @@ class FrontSearch {
     }
   }
 
-  void select_survivors() { keep_best(population_, config_.ga.population); }
+  void select_survivors() {
+    // A first generation, too, may hold what means the same: it goes first, as long as enough is left.
+    Known known;
+    const auto first_repeated = std::stable_partition(
+        population_.begin(), population_.end(),
+        [&](const Individual& individual) { return known.add(individual.meaning, individual.tree.size()); });
+    const auto unlike = static_cast<std::size_t>(first_repeated - population_.begin());
+    population_.resize(std::max<std::size_t>(unlike, config_.ga.population));
+    keep_best(population_, config_.ga.population);
+  }
 
   // The best by rank and crowding, in the order in which they stood.
   void keep_best(std::vector<Individual>& individuals, std::size_t count) const {

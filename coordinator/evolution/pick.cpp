@@ -11,8 +11,8 @@ namespace coppice {
 namespace {
 
 constexpr std::string_view kFitness = "fitness";
-constexpr std::array<std::pair<std::string_view, Comparison>, 3> kComparisons = {
-    {{"<=", Comparison::at_most}, {">=", Comparison::at_least}, {"=", Comparison::equal}}};
+constexpr std::array<std::pair<std::string_view, Relation>, 3> kComparisons = {
+    {{"<=", Relation::at_most}, {">=", Relation::at_least}, {"=", Relation::equal}}};
 
 Result<std::optional<Measure>> measure_or_fitness(std::string_view name) {
   if (name == kFitness) {
@@ -86,11 +86,11 @@ bool holds(const PickCondition& condition, const Front& front, const FrontMember
     return false;
   }
   switch (condition.comparison) {
-    case Comparison::at_most:
+    case Relation::at_most:
       return *value <= condition.number;
-    case Comparison::at_least:
+    case Relation::at_least:
       return *value >= condition.number;
-    case Comparison::equal:
+    case Relation::equal:
       break;
   }
   return *value == condition.number;

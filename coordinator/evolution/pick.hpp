@@ -34,11 +34,11 @@ struct Front {
   bool operator==(const Front&) const = default;
 };
 
-enum class Comparison : std::uint8_t { at_most, at_least, equal };
+enum class Relation : std::uint8_t { at_most, at_least, equal };
 
 struct PickCondition {
   std::optional<Measure> measure;  // none: fitness
-  Comparison comparison = Comparison::at_most;
+  Relation comparison = Relation::at_most;
   double number = 0.0;
 };
 

@@ -257,7 +257,8 @@ TEST(Evaluation, WithoutAnActionHoldsTheStateAndNeverAgrees) {
 TEST(ClosedForm, StartsAreDrawnAsOftenAsTheyAreAskedFor) {
   const Chain chain = oracles::random_chain({.states = 60, .seed = 12});
   const auto prepared = prepare(chain);
-  const Tree tree(chain.policy(0));
+  const ActionId action = chain.policy(chain.initial_state());
+  const Tree tree(action);
   Job job;
   job.rollouts = 40'000;
   job.steps = 1;
@@ -265,7 +266,7 @@ TEST(ClosedForm, StartsAreDrawnAsOftenAsTheyAreAskedFor) {
   double visits = 0.0;
   double all_visits = 0.0;
   for (std::size_t s = 0; s < chain.states(); ++s) {
-    const bool agrees = chain.policy(s) == chain.policy(0);
+    const bool agrees = chain.policy(s) == action;
     states += agrees ? 1.0 : 0.0;
     visits += agrees ? static_cast<double>(chain.parts().visits[s]) : 0.0;
     all_visits += static_cast<double>(chain.parts().visits[s]);
