@@ -57,6 +57,11 @@ double policy_share_in(const EvolveConfig& config, std::uint32_t generation) {
 
 }  // namespace
 
+std::vector<Measure> front_objectives() {
+  return {measure_of(ObjectiveKind::agreement), measure_of(ObjectiveKind::coverage),
+          measure_of(ObjectiveKind::expected_return), measure_of(ObjectiveKind::collisions), kNodesMeasure};
+}
+
 std::string_view name_of(Search search) { return search == Search::front ? "front" : "scalar"; }
 
 std::string_view name_of(Simplification simplification) {

@@ -109,12 +109,13 @@ struct FitnessConfig {
   bool operator==(const FitnessConfig&) const = default;
 };
 
+// Agreement, coverage, return, collisions, nodes.
+std::vector<Measure> front_objectives();
+
 // [front], of search front
 struct FrontConfig {
   // What trees are compared by. Others are measured if they have a weight in [fitness].
-  std::vector<Measure> objectives = {measure_of(ObjectiveKind::agreement), measure_of(ObjectiveKind::coverage),
-                                     measure_of(ObjectiveKind::expected_return), measure_of(ObjectiveKind::collisions),
-                                     kNodesMeasure};
+  std::vector<Measure> objectives = front_objectives();
   std::uint32_t max_nodes = 20;  // of a tree that is kept on the front
   std::uint32_t restarts = 0;    // times that the search begins anew; the last part goes on from what all of them kept
   std::uint32_t members = 200;   // that are kept; the most crowded go first
