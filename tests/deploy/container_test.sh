@@ -10,11 +10,12 @@ for program in buildah debootstrap; do
   command -v $program > /dev/null || { echo "skipped: no $program"; exit 77; }
 done
 work=${COPPICE_CONTAINER_FOLDER:-$(mktemp -d /var/tmp/coppice-container.XXXXXX)}
+rm -rf "$work/data"
 mkdir -p "$work/store" "$work/run" "$work/data"
 store=(--root "$work/store" --runroot "$work/run" --storage-driver vfs)
 workers=()
 finish() {
-  kill "${workers[@]}" 2> /dev/null || true
+  for worker in "${workers[@]}"; do kill -- "-$worker" 2> /dev/null || true; done
   wait
   [ -n "${COPPICE_CONTAINER_FOLDER:-}" ] || rm -rf "$work"
 }
@@ -34,7 +35,9 @@ coppice learn -o study.coppice --episodes 400 --seed 5
 cp "$work/data/study.coppice" "$work/data/serial.coppice"
 coppice evolve serial.coppice --serial --seed 4 --set ga.generations=60
 for _ in 1 2; do
-  inside coppice-worker --coordinator 127.0.0.1 --domain 207 & workers+=($!)
+  # In a process group of its own, to be ended as a whole.
+  setsid buildah "${store[@]}" run --isolation chroot "$container" \
+    coppice-worker --coordinator 127.0.0.1 --domain 207 & workers+=($!)
 done
 coppice evolve study.coppice --remote --domain 207 --seed 4 --set ga.generations=60
 figures() { coppice info "$1" --json | sed -E 's/"(started|ended|evaluator|study)":"[^"]*",?//g; s/"seconds":[^,}]*,?//g; s/"dispatch":\{[^}]*\},?//g'; }
