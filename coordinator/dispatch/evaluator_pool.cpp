@@ -53,7 +53,9 @@ DispatchStatistics EvaluatorPool::statistics() const {
 }
 
 Result<RemoteDispatch::Finished> EvaluatorPool::evaluate(std::span<const Tree> trees, const Job& job) {
-  Call call{trees, &job, std::nullopt};
+  Call call;
+  call.trees = trees;
+  call.job = &job;
   std::unique_lock lock(mutex_);
   if (broken_) {
     return tl::unexpected(*broken_);
@@ -63,8 +65,14 @@ Result<RemoteDispatch::Finished> EvaluatorPool::evaluate(std::span<const Tree> t
   if (first) {
     dispatch_->wake();
   }
-  answered_.wait(lock, [&] { return call.result.has_value(); });
+  call.answered.wait(lock, [&] { return call.result.has_value(); });
   return std::move(*call.result);
+}
+
+// The call is gone as soon as its mutex is free: its owner is told before.
+void EvaluatorPool::answer(Call& call, Result<RemoteDispatch::Finished> result) {
+  call.result = std::move(result);
+  call.answered.notify_one();
 }
 
 void EvaluatorPool::run() {
@@ -91,32 +99,23 @@ void EvaluatorPool::take_calls() {
     if (const auto request = dispatch_->submit(call->trees, *call->job)) {
       open_.emplace(*request, call);
     } else {
-      call->result = tl::unexpected(request.error());
-      answered_.notify_all();
+      answer(*call, tl::unexpected(request.error()));
     }
   }
 }
 
 void EvaluatorPool::answer_calls() {
-  bool some = false;
   for (auto open = open_.begin(); open != open_.end();) {
     if (!dispatch_->done(open->first)) {
       ++open;
       continue;
     }
     auto finished = dispatch_->take(open->first);
-    const std::lock_guard lock(mutex_);
-    open->second->result = std::move(finished);
-    open = open_.erase(open);
-    some = true;
-  }
-  if (some) {
     const DispatchStatistics statistics = dispatch_->statistics();
-    {
-      const std::lock_guard lock(mutex_);
-      statistics_ = statistics;
-    }
-    answered_.notify_all();
+    const std::lock_guard lock(mutex_);
+    statistics_ = statistics;
+    answer(*open->second, std::move(finished));
+    open = open_.erase(open);
   }
 }
 
@@ -125,14 +124,13 @@ void EvaluatorPool::fail_calls(const Error& error) {
   const std::lock_guard lock(mutex_);
   broken_ = error;
   for (const auto& [request, call] : open_) {
-    call->result = tl::unexpected(error);
+    answer(*call, tl::unexpected(error));
   }
   for (Call* const call : calls_) {
-    call->result = tl::unexpected(error);
+    answer(*call, tl::unexpected(error));
   }
   open_.clear();
   calls_.clear();
-  answered_.notify_all();
 }
 
 }  // namespace coppice

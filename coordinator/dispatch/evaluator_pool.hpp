@@ -36,11 +36,13 @@ class EvaluatorPool {
     std::span<const Tree> trees;
     const Job* job = nullptr;
     std::optional<Result<RemoteDispatch::Finished>> result;
+    std::condition_variable answered;  // its own: one shared by all would wake every run for every answer
   };
 
   explicit EvaluatorPool(std::unique_ptr<RemoteDispatch> dispatch);
 
   Result<RemoteDispatch::Finished> evaluate(std::span<const Tree> trees, const Job& job);
+  static void answer(Call& call, Result<RemoteDispatch::Finished> result);  // REQUIRES: mutex_ is held
   void run();
   void take_calls();
   void answer_calls();
@@ -50,7 +52,6 @@ class EvaluatorPool {
   std::map<RequestId, Call*> open_;           // likewise
 
   mutable std::mutex mutex_;  // what follows
-  std::condition_variable answered_;
   std::deque<Call*> calls_;
   DispatchStatistics statistics_;
   std::optional<Error> broken_;  // nothing is evaluated any more
