@@ -336,6 +336,7 @@ bool RemoteDispatch::agrees(WorkerId from, const std::vector<Tally>& tallies, co
                             std::uint32_t first) {
   const auto chosen = cross_check_.sample(from, static_cast<std::uint32_t>(tallies.size()));
   std::vector<Tree> trees;
+  trees.reserve(chosen.size());
   for (const std::uint32_t i : chosen) {
     trees.push_back(request.sent_tree(first + i));
   }
@@ -361,6 +362,7 @@ void RemoteDispatch::quarantine(WorkerId from) {
   for (auto& [id, open] : open_) {
     const auto places = open.request.settled_by(from);
     std::vector<Tree> trees;
+    trees.reserve(places.size());
     for (const std::uint32_t place : places) {
       trees.push_back(open.request.sent_tree(place));
     }

@@ -241,6 +241,7 @@ std::string SweepPlan::label(std::size_t setting) const {
     return "as configured";
   }
   std::vector<std::string> parts;
+  parts.reserve(keys.size());
   for (std::size_t i = 0; i < keys.size(); ++i) {
     parts.push_back(keys[i] + "=" + settings[setting].values[i]);
   }

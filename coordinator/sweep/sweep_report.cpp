@@ -22,6 +22,7 @@ struct Row {
 
   Summary summary(std::size_t measure) const {
     std::vector<double> values;
+    values.reserve(runs.size());
     for (const SweepResult* run : runs) {
       values.push_back(value_of(*run, measure));
     }
