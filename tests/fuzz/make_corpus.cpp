@@ -316,7 +316,7 @@ void write_corpus(const fs::path& corpus, bool check) {
 
 int main(int argc, char** argv) {
   const bool check = argc == 3 && std::string_view(argv[2]) == "--check";
-  if (argc != 2 && !check) {
+  if ((argc != 2 && !check) || argv[1][0] == '-') {
     fmt::print(stderr, "expected: make_corpus FOLDER [--check], such as make_corpus tests/fuzz/corpus\n");
     return 2;
   }
