@@ -186,7 +186,7 @@ Result<void> RemoteDispatch::await_workers(std::size_t count) {
 
 Result<void> RemoteDispatch::act() {
   if (stop_.raised()) {
-    return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+    return interrupted();
   }
   listen();
   const auto now = Clock::now();
