@@ -165,7 +165,7 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
     }
     progress.update(record.generation + 1, progress_text(record, (*evaluator)->statistics(), serial));
     if (stop.raised()) {
-      return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+      return interrupted();
     }
     return {};
   };
@@ -215,6 +215,10 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
   if (!evolved->front.members.empty()) {
     text += fmt::format("front: {} (coppice front {})\n", counted(evolved->front.members.size(), "tree"), study.path());
   }
+  if (!evolved->pick_fits) {
+    text += fmt::format("no tree of the front fits front.pick '{}': this is the one of the highest fitness\n",
+                        started->config.front.pick);
+  }
   Json json = {{"study", study.path()},
                {"run", static_cast<std::int64_t>(run)},
                {"status", name_of(status)},
@@ -223,6 +227,7 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
   json.update(outcome);
   if (!evolved->front.members.empty()) {
     json["front"] = evolved->front.members.size();
+    json["pick_fits"] = evolved->pick_fits;
   }
   json["tree"] = tree_text;
   json["nodes"] = evolved->best.tree.size();

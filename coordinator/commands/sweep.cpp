@@ -13,10 +13,12 @@
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/evaluator_option.hpp"
 #include "coordinator/commands/learn_options.hpp"
+#include "coordinator/commands/simulate_option.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/dispatch/serial_evaluator.hpp"
 #include "coordinator/report/counted.hpp"
-#include "coordinator/report/plot.hpp"
+#include "coordinator/report/gnuplot.hpp"
+#include "coordinator/report/interval_plot.hpp"
 #include "coordinator/report/progress.hpp"
 #include "coordinator/report/whole_file.hpp"
 #include "coordinator/study/study.hpp"
@@ -85,9 +87,9 @@ Result<void> sweep_command(const Options& options, const StopFlag& stop) {
   }
   std::optional<World> world;
   if (plan->episodes > 0) {
-    auto made = make_world(study->world().kind, study->world().room);
+    auto made = world_of(*study);
     if (!made) {
-      return in_context(options.study, made.error());
+      return tl::unexpected(made.error());
     }
     world = std::move(*made);
   }
