@@ -141,7 +141,8 @@ std::string Datagrams::submessage() {
       body += std::string("\0\3\0\0", 4) + (below(4) == 0 ? noise(below(200)) : parameters());
       break;
     case 0x0e:  // to whom
-      body = prefixes_.empty() ? noise(12) : std::string(prefixes_[below(static_cast<std::uint32_t>(prefixes_.size()))].data(), 12);
+      body = prefixes_.empty() ? noise(12)
+                               : std::string(prefixes_[below(static_cast<std::uint32_t>(prefixes_.size()))].data(), 12);
       break;
     case 0x30:
     case 0x31:

@@ -1,7 +1,7 @@
 // Pelts UDP ports with datagrams of nonsense (datagrams.hpp), for the tests:
 //   pelt SEED SECONDS ADDRESS:PORT...
-// It says that it is a participant, so that whoever believes it sends packets, which come back changed. When the time is
-// over it says how many went out and came in.
+// It says that it is a participant, so that whoever believes it sends packets, which come back changed. When the time
+// is over it says how many went out and came in.
 #include <arpa/inet.h>
 #include <chrono>
 #include <cstdio>

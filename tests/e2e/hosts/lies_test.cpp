@@ -88,5 +88,15 @@ TEST_F(Lies, AreUndoneFromWhereTheRunWasResumed) {
   expect_same_runs("study.coppice", expected);
 }
 
+// Runs that have ended may rest on them, so it cannot go on by itself.
+TEST_F(Lies, EndASweep) {
+  write("sweep.toml", "seeds = 4\nepisodes = 0\n[set]\nga.generations = 150\n");
+  Process late(liar(40));
+  const Completed swept = coppice({"sweep", "study.coppice", "--config", "sweep.toml", "-o", "swept", "--remote",
+                                   "--domain", domain_, "--cross-check", "0.02"});
+  EXPECT_EQ(swept.ending, kFailed);
+  EXPECT_NE(swept.error.find("begin the sweep again in another folder"), std::string::npos) << swept.error;
+}
+
 }  // namespace
 }  // namespace coppice::e2e
