@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <filesystem>
 #include <fmt/format.h>
@@ -70,7 +71,7 @@ Result<void> write_reports(const std::filesystem::path& folder, const SweepPlan&
 }
 
 Result<void> sweep_command(const Options& options, const StopFlag& stop) {
-  const Result<EvaluatorChoice> choice = evaluator_choice(options.evaluator);
+  Result<EvaluatorChoice> choice = evaluator_choice(options.evaluator);
   if (!choice) {
     return tl::unexpected(choice.error());
   }
@@ -93,6 +94,8 @@ Result<void> sweep_command(const Options& options, const StopFlag& stop) {
     }
     world = std::move(*made);
   }
+  std::atomic<bool> taken_back{false};
+  choice->taken_back = [&taken_back] { taken_back = true; };
   const auto chain = std::make_shared<const Chain>(study->chain());
   const bool serial = choice->kind == EvaluatorChoice::Kind::serial;
   std::unique_ptr<EvaluatorPool> pool;
@@ -168,8 +171,10 @@ Result<void> sweep_command(const Options& options, const StopFlag& stop) {
                (folder / "runs.csv").string(), (folder / "sweep.svg").string());
   }
   if (!swept) {
-    return tl::unexpected(
-        Error{swept.error().kind, fmt::format("{}; go on with the same command and --resume", swept.error().message)});
+    const char* const next = taken_back
+                                 ? "runs that have ended may rest on that: begin the sweep again in another folder"
+                                 : "go on with the same command and --resume";
+    return tl::unexpected(Error{swept.error().kind, fmt::format("{}; {}", swept.error().message, next)});
   }
   return {};
 }

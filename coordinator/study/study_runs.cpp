@@ -216,6 +216,20 @@ Result<void> check_free(const std::string& path, const OwnedRun& run, bool take_
                   path, name, run.owner.pid, run.owner.host));
 }
 
+void replace_checkpoint(SQLite::Database& database, RunId run, const Checkpoint& checkpoint,
+                        const Vocabulary& vocabulary) {
+  const std::string population = population_text({checkpoint.population, checkpoint.fitness}, vocabulary);
+  const std::string archive =
+      population_text({checkpoint.archive, std::vector<double>(checkpoint.archive.size(), 0.0)}, vocabulary);
+  SQLite::Statement replace(database, "INSERT OR REPLACE INTO checkpoints VALUES(?, ?, ?, ?, ?)");
+  replace.bind(1, number(run));
+  replace.bind(2, checkpoint.generation);
+  replace.bind(3, population);
+  replace.bind(4, archive);
+  replace.bind(5, hash_hex(population + archive));
+  replace.exec();
+}
+
 }  // namespace
 
 std::string_view name_of(RunStatus status) { return kStatusNames.at(static_cast<std::size_t>(status)); }
@@ -265,9 +279,6 @@ Result<ResumedRun> Study::resume_run(RunId run, bool take_over) {
 Result<void> Study::save_generation(RunId run, const GenerationRecord& record, const Checkpoint& checkpoint) {
   COPPICE_CHECK(record.generation == checkpoint.generation);
   const Vocabulary& vocabulary = chain().vocabulary();
-  const std::string population = population_text({checkpoint.population, checkpoint.fitness}, vocabulary);
-  const std::string archive =
-      population_text({checkpoint.archive, std::vector<double>(checkpoint.archive.size(), 0.0)}, vocabulary);
   return guarded(state_->path, [&]() -> Result<void> {
     SQLite::Transaction transaction(state_->database, SQLite::TransactionBehavior::IMMEDIATE);
     SQLite::Statement row(state_->database, "INSERT INTO generations VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
@@ -284,13 +295,26 @@ Result<void> Study::save_generation(RunId run, const GenerationRecord& record, c
     row.bind(11, static_cast<std::int64_t>(record.evaluations));
     row.bind(12, record.seconds);
     row.exec();
-    SQLite::Statement replace(state_->database, "INSERT OR REPLACE INTO checkpoints VALUES(?, ?, ?, ?, ?)");
-    replace.bind(1, number(run));
-    replace.bind(2, checkpoint.generation);
-    replace.bind(3, population);
-    replace.bind(4, archive);
-    replace.bind(5, hash_hex(population + archive));
-    replace.exec();
+    replace_checkpoint(state_->database, run, checkpoint, vocabulary);
+    transaction.commit();
+    return state_->check_in_place();
+  });
+}
+
+Result<void> Study::rewind_run(RunId run, const std::optional<Checkpoint>& to) {
+  return guarded(state_->path, [&]() -> Result<void> {
+    SQLite::Transaction transaction(state_->database, SQLite::TransactionBehavior::IMMEDIATE);
+    SQLite::Statement forget(state_->database, "DELETE FROM generations WHERE run = ? AND generation >= ?");
+    forget.bind(1, number(run));
+    forget.bind(2, to ? to->generation + 1 : 0);
+    forget.exec();
+    if (to) {
+      replace_checkpoint(state_->database, run, *to, chain().vocabulary());
+    } else {
+      SQLite::Statement remove(state_->database, "DELETE FROM checkpoints WHERE run = ?");
+      remove.bind(1, number(run));
+      remove.exec();
+    }
     transaction.commit();
     return state_->check_in_place();
   });
