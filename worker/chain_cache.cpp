@@ -57,8 +57,8 @@ Result<ChainCache> ChainCache::open(fs::path folder) {
     error = std::error_code(errno, std::generic_category());
   }
   if (error) {
-    return bad_input(fmt::format("--cache: {}: {}: expected a folder that can be written", folder.string(),
-                                 error.message()));
+    return bad_input(
+        fmt::format("--cache: {}: {}: expected a folder that can be written", folder.string(), error.message()));
   }
   return ChainCache(std::move(folder));
 }

@@ -19,12 +19,12 @@ struct TransferSettings {
 };
 
 struct Transfer {
-  std::uint64_t bytes = 0;      // canonical, of the chain
-  std::size_t blocks = 0;       // they travel in
-  Spread start_seconds;         // a worker starts, meets the coordinator, and holds a tiny chain
-  Spread seconds;               // more than that for this chain: sent, hashed, decoded, ready to be evaluated on
-  Spread bare_seconds;          // the same blocks, as many at once, answered with a few bytes
-  Spread share;                 // bare / seconds, repetition by repetition: of the bare rate
+  std::uint64_t bytes = 0;  // canonical, of the chain
+  std::size_t blocks = 0;   // they travel in
+  Spread start_seconds;     // a worker starts, meets the coordinator, and holds a tiny chain
+  Spread seconds;           // more than that for this chain: sent, hashed, decoded, ready to be evaluated on
+  Spread bare_seconds;      // the same blocks, as many at once, answered with a few bytes
+  Spread share;             // bare / seconds, repetition by repetition: of the bare rate
 };
 
 // Errors: as RemoteEvaluator and RemoteEcho.

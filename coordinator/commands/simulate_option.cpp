@@ -15,9 +15,8 @@ void add_simulate_option(CLI::App& command, SimulateOption& option, const Simula
 }
 
 SimulateSettings settings_of(const SimulateOption& option, const Study& study) {
-  return {.episodes = option.episodes,
-          .steps = option.steps ? *option.steps : learned_steps(study),
-          .seed = option.seed};
+  return {
+      .episodes = option.episodes, .steps = option.steps ? *option.steps : learned_steps(study), .seed = option.seed};
 }
 
 Result<World> world_of(const Study& study) {

@@ -38,15 +38,50 @@ void CrossCheck::begin_again() {
   }
 }
 
-Result<std::vector<Tally>> CrossCheck::evaluate(std::span<const Tree> trees, const Job& job) {
+bool CrossCheck::agrees(WorkerId from, std::span<const Tally> tallies, const RemoteRequest& request,
+                        std::uint32_t first) {
+  std::vector<std::uint32_t> places = sample(from, static_cast<std::uint32_t>(tallies.size()));
+  if (places.empty()) {
+    return true;
+  }
+  for (std::uint32_t& place : places) {
+    place += first;
+  }
+  const auto truth = evaluate(request, places);
+  for (std::size_t i = 0; truth && i < places.size(); ++i) {
+    if (tallies[places[i] - first] != (*truth)[i]) {
+      return false;
+    }
+  }
+  return true;
+}
+
+Result<std::size_t> CrossCheck::redo(RemoteRequest& request, WorkerId from) {
+  const std::vector<std::uint32_t> places = request.settled_by(from);
+  auto truth = evaluate(request, places);
+  if (!truth) {
+    return tl::unexpected(std::move(truth).error());
+  }
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    request.settle(places[i], std::move((*truth)[i]), WorkerId{});
+  }
+  return places.size();
+}
+
+Result<std::vector<Tally>> CrossCheck::evaluate(const RemoteRequest& request, std::span<const std::uint32_t> places) {
   if (reference_ == nullptr) {
     auto reference = SerialEvaluator::make(chain_, stop_);
     if (!reference) {
-      return tl::unexpected(reference.error());
+      return tl::unexpected(std::move(reference).error());
     }
     reference_ = std::move(*reference);
   }
-  return reference_->evaluate(trees, job);
+  std::vector<Tree> trees;
+  trees.reserve(places.size());
+  for (const std::uint32_t place : places) {
+    trees.push_back(request.sent_tree(place));
+  }
+  return reference_->evaluate(trees, request.job());
 }
 
 }  // namespace coppice

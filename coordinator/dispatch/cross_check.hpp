@@ -21,6 +21,7 @@
 #include "common/stop.hpp"
 #include "coordinator/dispatch/evaluator.hpp"
 #include "coordinator/dispatch/in_flight.hpp"
+#include "coordinator/dispatch/remote_request.hpp"
 
 namespace coppice {
 
@@ -39,8 +40,14 @@ class CrossCheck {
   // Whether that individual of the answer that was last sampled was in the sample.
   bool was_sampled(std::uint32_t individual) const;
 
-  // The true tallies. Errors: interrupted.
-  Result<std::vector<Tally>> evaluate(std::span<const Tree> trees, const Job& job);
+  // So many were.
+  std::size_t sampled() const { return last_sample_.size(); }
+
+  // Whether a sample of an answer comes out here as the worker said; the answer is to what `request` sent from its
+  // place `first` on. True, too, when the evaluation here is interrupted.
+  bool agrees(WorkerId from, std::span<const Tally> tallies, const RemoteRequest& request, std::uint32_t first);
+  // Evaluates here what counts as that worker said. Returns how many. Errors: interrupted.
+  Result<std::size_t> redo(RemoteRequest& request, WorkerId from);
 
   // Individuals that counted as the worker said, without a look.
   void took_unchecked(WorkerId worker, std::uint32_t individuals) { records_[worker].unchecked += individuals; }
@@ -49,6 +56,9 @@ class CrossCheck {
   void begin_again();
 
  private:
+  // What the request sent at these places, truly.
+  Result<std::vector<Tally>> evaluate(const RemoteRequest& request, std::span<const std::uint32_t> places);
+
   struct Record {
     std::uint32_t answers = 0;
     std::uint64_t unchecked = 0;

@@ -52,7 +52,7 @@ DispatchStatistics EvaluatorPool::statistics() const {
   return statistics_;
 }
 
-Result<RemoteDispatch::Finished> EvaluatorPool::evaluate(std::span<const Tree> trees, const Job& job) {
+Result<RemoteRequests::Finished> EvaluatorPool::evaluate(std::span<const Tree> trees, const Job& job) {
   Call call;
   call.trees = trees;
   call.job = &job;
@@ -70,7 +70,7 @@ Result<RemoteDispatch::Finished> EvaluatorPool::evaluate(std::span<const Tree> t
 }
 
 // The call is gone as soon as its mutex is free: its owner is told before.
-void EvaluatorPool::answer(Call& call, Result<RemoteDispatch::Finished> result) {
+void EvaluatorPool::answer(Call& call, Result<RemoteRequests::Finished> result) {
   call.result = std::move(result);
   call.answered.notify_one();
 }

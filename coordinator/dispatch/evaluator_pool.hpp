@@ -35,14 +35,14 @@ class EvaluatorPool {
   struct Call {
     std::span<const Tree> trees;
     const Job* job = nullptr;
-    std::optional<Result<RemoteDispatch::Finished>> result;
+    std::optional<Result<RemoteRequests::Finished>> result;
     std::condition_variable answered;  // its own: one shared by all would wake every run for every answer
   };
 
   explicit EvaluatorPool(std::unique_ptr<RemoteDispatch> dispatch);
 
-  Result<RemoteDispatch::Finished> evaluate(std::span<const Tree> trees, const Job& job);
-  static void answer(Call& call, Result<RemoteDispatch::Finished> result);  // REQUIRES: mutex_ is held
+  Result<RemoteRequests::Finished> evaluate(std::span<const Tree> trees, const Job& job);
+  static void answer(Call& call, Result<RemoteRequests::Finished> result);  // REQUIRES: mutex_ is held
   void run();
   void take_calls();
   void answer_calls();

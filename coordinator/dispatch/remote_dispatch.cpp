@@ -36,6 +36,7 @@ RemoteDispatch::RemoteDispatch(std::shared_ptr<const Chain> chain, RemoteOptions
       dds_(std::move(endpoints)),
       wake_(stop.on_raise([this] { dds_.waiter.wake(); })),
       flight_(options_.limits),
+      requests_(flight_),
       fleet_(dds_, run_, flight_, statistics_),
       meanings_(*chain_),
       cross_check_(chain_, options_.cross_check, stop) {}
@@ -112,65 +113,23 @@ Result<RequestId> RemoteDispatch::submit(std::span<const Tree> trees, const Job&
   if (auto ok = check_objectives(job); !ok) {
     return tl::unexpected(ok.error());
   }
-  if (open_.empty()) {
+  if (requests_.empty()) {
     last_settled_ = Clock::now();
     matching_changed_ = true;
   }
-  if (begun_ >= open_.size()) {
+  if (begun_ >= requests_.size()) {
     fleet_.begin();
     begun_ = 0;
   }
   ++begun_;
-  const RequestId id{next_request_++};
-  open_.emplace(id, Open{RemoteRequest(trees, job, worth_seeking_repeats(job)), {}});
-  return id;
+  return requests_.open(trees, job, worth_seeking_repeats(job));
 }
 
-bool RemoteDispatch::done(RequestId id) const {
-  const Open& open = open_.at(id);
-  return open.request.unseen() == 0 && std::all_of(open.portions.begin(), open.portions.end(),
-                                                   [&](GenerationId portion) { return flight_.done(portion); });
-}
-
-RemoteDispatch::Finished RemoteDispatch::take(RequestId id) {
-  COPPICE_CHECK(done(id));
-  const auto open = open_.find(id);
-  std::vector<Tally> tallies = open->second.request.take_tallies();
-  statistics_.individuals += tallies.size();
-  Finished finished{std::move(tallies), open->second.request.repeated()};
+RemoteRequests::Finished RemoteDispatch::take(RequestId id) {
+  RemoteRequests::Finished finished = requests_.take(id);
+  statistics_.individuals += finished.tallies.size();
   statistics_.repeated += finished.repeated;
-  close(open);
   return finished;
-}
-
-void RemoteDispatch::close(std::map<RequestId, Open>::iterator open) {
-  for (const GenerationId portion : open->second.portions) {
-    flight_.end(portion);
-    portions_.erase(portion);
-  }
-  open_.erase(open);
-}
-
-void RemoteDispatch::abandon() {
-  while (!open_.empty()) {
-    close(open_.begin());
-  }
-}
-
-// The next trees of every request: into the books.
-void RemoteDispatch::see_portions() {
-  for (auto& [id, open] : open_) {
-    if (open.request.unseen() == 0) {
-      continue;
-    }
-    const std::uint32_t first = open.request.to_send();
-    const std::uint32_t count = open.request.see_portion(meanings_);
-    if (count > 0) {
-      const GenerationId portion = flight_.begin(count);
-      open.portions.push_back(portion);
-      portions_.emplace(portion, Portion{id, first});
-    }
-  }
 }
 
 Result<void> RemoteDispatch::await_workers(std::size_t count) {
@@ -201,13 +160,13 @@ Result<void> RemoteDispatch::act() {
     return ok;
   }
   give_up(fleet_.take_poisonous());
-  see_portions();
+  requests_.see_portions(meanings_);
   hand_out(now);
   return {};
 }
 
 void RemoteDispatch::sleep() {
-  if (std::any_of(open_.begin(), open_.end(), [](const auto& open) { return open.second.request.unseen() > 0; })) {
+  if (!requests_.all_seen()) {
     return;
   }
   const auto now = Clock::now();
@@ -306,16 +265,16 @@ void RemoteDispatch::settle(const wire::Answer& answer) {
     ++statistics_.duplicates;
     return;
   }
-  const Portion& portion = portion_of(out->batch);
-  RemoteRequest& request = open_.at(portion.request).request;
-  const std::uint32_t first = portion.first + out->batch.first;
+  const auto [request, first] = requests_.place_of(out->batch);
   auto tallies = wire::decode_tallies(wire::view(answer.payload), out->batch.count, request.job().objectives.size());
   if (!tallies || !request.fits(*tallies, first)) {
     fleet_.reject(tallies ? "an answer to another batch" : tallies.error().message, answer.worker);
     fleet_.ban(from, "sent a damaged answer");
     return;
   }
-  if (!agrees(from, *tallies, request, first)) {
+  const bool honest = cross_check_.agrees(from, *tallies, request, first);
+  statistics_.cross_checked += cross_check_.sampled();
+  if (!honest) {
     quarantine(from);
     return;
   }
@@ -331,7 +290,7 @@ void RemoteDispatch::settle(const wire::Answer& answer) {
   for (const std::uint32_t slot : settlement.fresh) {
     const std::uint32_t individual = slot - out->batch.first;
     const bool checked = cross_check_.was_sampled(individual);
-    request.settle(portion.first + slot, std::move((*tallies)[individual]), checked ? WorkerId{} : from);
+    request.settle(first + individual, std::move((*tallies)[individual]), checked ? WorkerId{} : from);
     unchecked += checked ? 0 : 1;
   }
   cross_check_.took_unchecked(from, unchecked);
@@ -342,50 +301,19 @@ void RemoteDispatch::settle(const wire::Answer& answer) {
   }
 }
 
-// Whether what is evaluated again comes out as the worker said.
-bool RemoteDispatch::agrees(WorkerId from, const std::vector<Tally>& tallies, const RemoteRequest& request,
-                            std::uint32_t first) {
-  const auto chosen = cross_check_.sample(from, static_cast<std::uint32_t>(tallies.size()));
-  std::vector<Tree> trees;
-  trees.reserve(chosen.size());
-  for (const std::uint32_t i : chosen) {
-    trees.push_back(request.sent_tree(first + i));
-  }
-  if (chosen.empty()) {
-    return true;
-  }
-  const auto truth = cross_check_.evaluate(trees, request.job());
-  if (!truth) {
-    return true;  // interrupted: act() says so next, and nothing counts any more
-  }
-  statistics_.cross_checked += chosen.size();
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    if (tallies[chosen[i]] != (*truth)[i]) {
-      return false;
-    }
-  }
-  return true;
-}
-
 // A worker answered wrongly: nothing that it said counts any more, unless it was checked. In the requests that are open
 // it is evaluated again here, earlier ones are taken back.
 void RemoteDispatch::quarantine(WorkerId from) {
   std::size_t again = 0;
-  for (auto& [id, open] : open_) {
-    const auto places = open.request.settled_by(from);
-    std::vector<Tree> trees;
-    trees.reserve(places.size());
-    for (const std::uint32_t place : places) {
-      trees.push_back(open.request.sent_tree(place));
+  Result<std::size_t> redone = 0;
+  requests_.for_each([&](RemoteRequest& request) {
+    if (redone) {
+      redone = cross_check_.redo(request, from);
+      again += redone.value_or(0);
     }
-    auto truth = cross_check_.evaluate(trees, open.request.job());
-    if (!truth) {
-      return;  // interrupted
-    }
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      open.request.settle(places[i], std::move((*truth)[i]), WorkerId{});
-    }
-    again += places.size();
+  });
+  if (!redone) {
+    return;  // interrupted: act() says so next, and nothing counts any more
   }
   const std::uint64_t earlier =
       cross_check_.unchecked(from) - std::min<std::uint64_t>(again, cross_check_.unchecked(from));
@@ -415,12 +343,8 @@ Result<void> RemoteDispatch::tend(Clock::time_point now) {
       spdlog::warn("{}", ok.error().message);
     }
   }
-  std::uint64_t steps = 0;
-  for (const auto& [id, open] : open_) {
-    steps = std::max(steps, open.request.steps());
-  }
-  fleet_.tend(now, steps);
-  if (!open_.empty() && now - last_settled_ > options_.wait_limit && !fleet_.workers().empty()) {
+  fleet_.tend(now, requests_.most_steps());
+  if (!requests_.empty() && now - last_settled_ > options_.wait_limit && !fleet_.workers().empty()) {
     return failed(fmt::format("no batch was answered for {} s; what was evaluated is kept",
                               std::chrono::duration_cast<std::chrono::seconds>(options_.wait_limit).count()));
   }
@@ -429,8 +353,8 @@ Result<void> RemoteDispatch::tend(Clock::time_point now) {
 
 void RemoteDispatch::give_up(const std::vector<Slot>& slots) {
   for (const Slot& slot : slots) {
-    const Portion& portion = portions_.at(slot.generation);
-    const std::uint32_t given_up = open_.at(portion.request).request.give_up(portion.first + slot.index);
+    const auto [request, place] = requests_.place_of(slot);
+    const std::uint32_t given_up = request.give_up(place);
     spdlog::error("slot {} is given the worst fitness: {} workers were lost while they held it", given_up,
                   options_.limits.attempts);
   }
@@ -441,13 +365,8 @@ void RemoteDispatch::hand_out(Clock::time_point now) {
     return;
   }
   // Batches of requests with other jobs may be sized a little wrong by this, which costs time only.
-  const GenerationId front = flight_.front().value_or(portions_.begin()->first);
-  const std::uint64_t steps = open_.at(portions_.at(front).request).request.steps();
-  Horizon horizon{.most = static_cast<std::uint32_t>(wire::kMaxTreesPerTask)};
-  for (const auto& [id, open] : open_) {
-    horizon.most = std::min(horizon.most, open.request.most_per_task());
-    horizon.coming += open.request.unseen();
-  }
+  const std::uint64_t steps = requests_.steps_at_front();
+  const Horizon horizon = requests_.horizon(static_cast<std::uint32_t>(wire::kMaxTreesPerTask));
   std::vector<ReadyWorker> ready;
   ready.reserve(fleet_.workers().size());
   for (const auto& [id, worker] : fleet_.workers()) {
@@ -466,8 +385,8 @@ void RemoteDispatch::hand_out(Clock::time_point now) {
 }
 
 bool RemoteDispatch::send(RemoteWorker& worker, const Batch& batch) {
-  const Portion& portion = portion_of(batch);
-  const auto payload = open_.at(portion.request).request.task(portion.first + batch.first, batch.count);
+  const auto [request, first] = requests_.place_of(batch);
+  const auto payload = request.task(first, batch.count);
   if (auto ok = worker.send_task(batch, payload, run_, Clock::now()); !ok) {
     spdlog::warn("worker {}: {}", worker.name(), ok.error().message);
     flight_.give_back(batch.id, worker.id());

@@ -9,7 +9,6 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,7 +23,7 @@
 #include "coordinator/dispatch/local_workers.hpp"
 #include "coordinator/dispatch/remote_endpoints.hpp"
 #include "coordinator/dispatch/remote_fleet.hpp"
-#include "coordinator/dispatch/remote_request.hpp"
+#include "coordinator/dispatch/remote_requests.hpp"
 #include "coordinator/dispatch/remote_worker.hpp"
 
 namespace coppice {
@@ -46,8 +45,6 @@ struct RemoteOptions {
   std::function<void(pid_t)> batch_sent;
 };
 
-enum class RequestId : std::uint64_t {};
-
 class RemoteDispatch {
  public:
   // `stop` outlives it. Errors: no such interface; the domain is taken (or all are); workers that do not start.
@@ -60,15 +57,11 @@ class RemoteDispatch {
   // Begins an evaluation; act() and sleep() bring it forward. The trees outlive the request. Errors: the job does not
   // fit the chain.
   Result<RequestId> submit(std::span<const Tree> trees, const Job& job);
-  bool done(RequestId id) const;
-  struct Finished {
-    std::vector<Tally> tallies;  // in the order of the trees
-    std::uint64_t repeated = 0;  // DispatchStatistics
-  };
+  bool done(RequestId id) const { return requests_.done(id); }
   // Ends a request. REQUIRES: done(id).
-  Finished take(RequestId id);
+  RemoteRequests::Finished take(RequestId id);
   // Ends all requests.
-  void abandon();
+  void abandon() { requests_.abandon(); }
 
   // Takes in what happened and does what follows from it. Errors (interrupted, no worker within the limit, what was
   // taken from a worker earlier is taken back) leave the requests open.
@@ -94,13 +87,11 @@ class RemoteDispatch {
   Result<void> announce();
   Result<void> check_objectives(const Job& job);
   bool worth_seeking_repeats(const Job& job) const;
-  void see_portions();
 
   void listen();
   void take(const wire::ChainRequest& request);
   void take(const wire::Answer& answer);
   void settle(const wire::Answer& answer);
-  bool agrees(WorkerId from, const std::vector<Tally>& tallies, const RemoteRequest& request, std::uint32_t first);
   void quarantine(WorkerId from);
   bool is_ours(std::uint32_t protocol, std::uint64_t run_id, const coppice_wire_ChainId& chain) const;
 
@@ -109,18 +100,6 @@ class RemoteDispatch {
 
   void hand_out(Clock::time_point now);
   bool send(RemoteWorker& worker, const Batch& batch);
-
-  // What a generation of the books holds: of this request, from this place on.
-  struct Portion {
-    RequestId request{};
-    std::uint32_t first = 0;
-  };
-  struct Open {
-    RemoteRequest request;
-    std::vector<GenerationId> portions;
-  };
-  const Portion& portion_of(const Batch& batch) const { return portions_.at(batch.generation); }
-  void close(std::map<RequestId, Open>::iterator open);
 
   std::shared_ptr<const Chain> chain_;
   std::vector<std::uint8_t> chain_bytes_;
@@ -131,15 +110,13 @@ class RemoteDispatch {
   StopFlag::Wake wake_;
   DispatchStatistics statistics_;
   InFlight flight_;
+  RemoteRequests requests_;
   RemoteFleet fleet_;
   Meanings meanings_;
   CrossCheck cross_check_;
   std::optional<Error> taken_back_;
   std::vector<Objective> checked_objectives_;
 
-  std::map<RequestId, Open> open_;
-  std::map<GenerationId, Portion> portions_;
-  std::uint64_t next_request_ = 1;
   std::size_t begun_ = 0;           // requests since the paces were last doubted
   Clock::time_point last_settled_;  // or when there was nothing to settle
   Clock::time_point next_tending_;

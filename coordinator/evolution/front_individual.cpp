@@ -41,8 +41,7 @@ std::vector<double> random_weights(Stream& stream, std::size_t count) {
   return weights;
 }
 
-ParentPool::ParentPool(const std::vector<FrontIndividual>& individuals, std::size_t costs)
-    : individuals_(individuals) {
+ParentPool::ParentPool(const std::vector<FrontIndividual>& individuals, std::size_t costs) : individuals_(individuals) {
   const std::vector<double> values = costs_of(individuals);
   const Costs all{values, costs};
   ranks_ = ranks_of(all);

@@ -77,8 +77,9 @@ std::string to_gnuplot(const Front& front, const FrontAxes& axes, std::optional<
   text += "set key off\nset grid\nset offsets graph 0.03, graph 0.03, graph 0.03, graph 0.03\n";
   text += "set palette defined (0 '#b8d0ff', 1 '#00206a')\nset cblabel 'nodes'\n";
   text += axis("x", axes.across) + axis("y", axes.up);
-  text += "plot '-' using 1:2 with lines linecolor rgb '#888888', "
-          "'-' using 1:2:3 with points pointtype 7 pointsize 0.7 linecolor palette";
+  text +=
+      "plot '-' using 1:2 with lines linecolor rgb '#888888', "
+      "'-' using 1:2:3 with points pointtype 7 pointsize 0.7 linecolor palette";
   text += picked ? ", '-' using 1:2 with points pointtype 6 pointsize 1.4 linewidth 2 linecolor rgb 'red'\n" : "\n";
   text += data_of(best_of(dots)) + data_of(dots);
   return picked ? text + data_of({dots[*picked]}) : text;

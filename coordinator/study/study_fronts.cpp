@@ -43,37 +43,37 @@ Result<void> Study::save_front(RunId run, const Front& front) {
 Result<Front> Study::front(RunId run) const {
   const Vocabulary& vocabulary = chain().vocabulary();
   return guarded(state_->path, [&]() -> Result<Front> {
-      SQLite::Statement select(state_->database,
-                               "SELECT position, tree, fitness, measures FROM fronts WHERE run = ? ORDER BY position");
-      select.bind(1, number(run));
-      Front found;
-      while (select.executeStep()) {
-        const auto row = [&](const std::string& what) {
-          return tl::unexpected(damaged(
-              state_->path, fmt::format("run {}, front, position {}: {}", number(run), found.members.size(), what)));
-        };
-        auto tree = parse_tree(select.getColumn(1).getString(), vocabulary);
-        if (!tree || select.getColumn(0).getUInt() != found.members.size()) {
-          return row(tree ? "missing" : tree.error().message);
-        }
-        FrontMember member{std::move(*tree), select.getColumn(2).getDouble(), {}};
-        std::vector<Measure> measures;
-        const auto json = nlohmann::ordered_json::parse(select.getColumn(3).getString(), nullptr, false);
-        for (const auto& [name, value] : json.items()) {
-          const auto measure = measure_named(name);
-          if (!measure || !value.is_number()) {
-            return row(measure ? fmt::format("{} is no number", name) : measure.error().message);
-          }
-          measures.push_back(*measure);
-          member.values.push_back(value.get<double>());
-        }
-        if (!json.is_object() || (!found.members.empty() && measures != found.measures)) {
-          return row("its measures are not those of the first");
-        }
-        found.measures = std::move(measures);
-        found.members.push_back(std::move(member));
+    SQLite::Statement select(state_->database,
+                             "SELECT position, tree, fitness, measures FROM fronts WHERE run = ? ORDER BY position");
+    select.bind(1, number(run));
+    Front found;
+    while (select.executeStep()) {
+      const auto row = [&](const std::string& what) {
+        return tl::unexpected(damaged(
+            state_->path, fmt::format("run {}, front, position {}: {}", number(run), found.members.size(), what)));
+      };
+      auto tree = parse_tree(select.getColumn(1).getString(), vocabulary);
+      if (!tree || select.getColumn(0).getUInt() != found.members.size()) {
+        return row(tree ? "missing" : tree.error().message);
       }
-      return found;
+      FrontMember member{std::move(*tree), select.getColumn(2).getDouble(), {}};
+      std::vector<Measure> measures;
+      const auto json = nlohmann::ordered_json::parse(select.getColumn(3).getString(), nullptr, false);
+      for (const auto& [name, value] : json.items()) {
+        const auto measure = measure_named(name);
+        if (!measure || !value.is_number()) {
+          return row(measure ? fmt::format("{} is no number", name) : measure.error().message);
+        }
+        measures.push_back(*measure);
+        member.values.push_back(value.get<double>());
+      }
+      if (!json.is_object() || (!found.members.empty() && measures != found.measures)) {
+        return row("its measures are not those of the first");
+      }
+      found.measures = std::move(measures);
+      found.members.push_back(std::move(member));
+    }
+    return found;
   });
 }
 

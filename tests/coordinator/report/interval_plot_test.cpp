@@ -11,9 +11,10 @@ namespace coppice {
 namespace {
 
 IntervalPlot plot_of(std::string label) {
-  return {.title = "two settings",
-          .settings = {"a=1", std::move(label)},
-          .panels = {{"agreement", {{0.5, 0.4, 0.6}, {0.7, 0.7, 0.7}}}, {"reward", {{1.0, 0.0, 2.0}, {3.0, 2.0, 4.0}}}}};
+  return {
+      .title = "two settings",
+      .settings = {"a=1", std::move(label)},
+      .panels = {{"agreement", {{0.5, 0.4, 0.6}, {0.7, 0.7, 0.7}}}, {"reward", {{1.0, 0.0, 2.0}, {3.0, 2.0, 4.0}}}}};
 }
 
 TEST(IntervalPlot, HasAPanelForEachMeasureAndTheFirstSettingOnTop) {

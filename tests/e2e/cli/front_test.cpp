@@ -12,10 +12,10 @@ class FrontCommand : public EvolvedStudy {
   }
 
   nlohmann::json evolve_front(const std::string& rule) const {
-    return coppice_json(evolve("study.coppice", {"--serial", "--json", "--seed", "2", "--set", "ga.search=front", "--set",
-                                                 "ga.generations=10", "--set", "ga.population=40", "--set",
-                                                 "front.objectives=agreement, coverage, return", "--set",
-                                                 "front.pick=" + rule}));
+    return coppice_json(evolve(
+        "study.coppice",
+        {"--serial", "--json", "--seed", "2", "--set", "ga.search=front", "--set", "ga.generations=10", "--set",
+         "ga.population=40", "--set", "front.objectives=agreement, coverage, return", "--set", "front.pick=" + rule}));
   }
 
   nlohmann::json evolved_;
@@ -63,7 +63,8 @@ TEST_F(FrontCommand, DrawsTwoMeasures) {
   const std::string svg = read("front.svg");
   EXPECT_NE(svg.find("</svg>"), std::string::npos);
   EXPECT_NE(svg.find("agreement"), std::string::npos);
-  expect_wrong_use({"front", "study.coppice", "--plot", "other.svg", "--axes", "agreement"}, {"--axes", "two measures"});
+  expect_wrong_use({"front", "study.coppice", "--plot", "other.svg", "--axes", "agreement"},
+                   {"--axes", "two measures"});
   expect_wrong_use({"front", "study.coppice", "--plot", "other.svg", "--axes", "agreement,regret"},
                    {"--axes", "no 'regret'", "coverage"});
   expect_wrong_use({"front", "study.coppice", "--plot", "study.coppice"}, {"--plot", "study.coppice"});
@@ -73,9 +74,10 @@ TEST_F(FrontCommand, DrawsTwoMeasures) {
 TEST_F(FrontCommand, SaysThatNoTreeFitsTheRuleOfTheRun) {
   EXPECT_TRUE(evolved_["pick_fits"].get<bool>());
   EXPECT_FALSE(evolve_front("best return with coverage>=2")["pick_fits"].get<bool>());
-  const Completed told = coppice(evolve("study.coppice", {"--serial", "--seed", "2", "--set", "ga.search=front", "--set",
-                                                          "ga.generations=2", "--set", "front.pick=best return with "
-                                                          "coverage>=2"}));
+  const Completed told = coppice(evolve(
+      "study.coppice", {"--serial", "--seed", "2", "--set", "ga.search=front", "--set", "ga.generations=2", "--set",
+                        "front.pick=best return with "
+                        "coverage>=2"}));
   EXPECT_NE(told.output.find("no tree of the front fits front.pick 'best return with coverage>=2'"), std::string::npos)
       << told.output;
 }
