@@ -90,13 +90,15 @@ TEST(Config, TheRulesInTheExampleFileAreValidOnceUncommented) {
   EXPECT_EQ(config.fitness.rules, expected);
 }
 
-TEST(Config, TheRecipeForFrontsIsValid) {
-  EvolveConfig config;
-  const auto ok = load_config(std::string(COPPICE_SOURCE_DIR) + "/coordinator/evolution/front.toml", config);
-  ASSERT_TRUE(ok.has_value()) << ok.error().message;
-  EXPECT_EQ(config.ga.search, Search::front);
-  const auto checked = check_config(config, small_vocabulary());
-  EXPECT_TRUE(checked.has_value()) << checked.error().message;
+TEST(Config, TheRecipesForFrontsAreValid) {
+  for (const char* recipe : {"front.toml", "coverage.toml"}) {
+    EvolveConfig config;
+    const auto ok = load_config(std::string(COPPICE_SOURCE_DIR) + "/coordinator/evolution/" + recipe, config);
+    ASSERT_TRUE(ok.has_value()) << ok.error().message;
+    EXPECT_EQ(config.ga.search, Search::front);
+    const auto checked = check_config(config, small_vocabulary());
+    EXPECT_TRUE(checked.has_value()) << recipe << ": " << checked.error().message;
+  }
 }
 
 TEST(Config, AFrontRefusesWhatItCannotKeep) {
