@@ -32,6 +32,11 @@ inline tl::unexpected<Error> failed(std::string message) {
   return tl::unexpected<Error>(Error{ErrorKind::failed, std::move(message)});
 }
 
+// `go_on` or a stop flag said to stop.
+inline tl::unexpected<Error> interrupted() {
+  return tl::unexpected<Error>(Error{ErrorKind::interrupted, "interrupted"});
+}
+
 // The same error with the place prepended: "room.txt: line 3: ...".
 inline tl::unexpected<Error> in_context(const std::string& place, Error error) {
   error.message = place + ": " + error.message;

@@ -41,6 +41,11 @@ class Assembly {
 
   const ChainHash& hash() const { return hash_; }
   std::uint64_t size() const { return size_; }
+  std::size_t block_bytes() const { return block_bytes_; }
+  std::size_t blocks() const { return blocks_.size(); }
+  // All blocks before this one are there; block(i) is one of those.
+  std::size_t leading() const { return first_missing_; }
+  std::span<const std::uint8_t> block(std::size_t index) const { return blocks_[index]; }
   // Takes a block. Errors: index or length do not fit.
   Result<void> add(std::uint32_t index, std::span<const std::uint8_t> block);
   bool complete() const { return missing_ == 0; }

@@ -60,6 +60,9 @@ int run(int argc, char** argv) {
                  "Take at least so long for each individual: evaluate it, then rest. For capacity planning, many "
                  "workers on few cores; results are the same")
       ->type_name("DURATION");
+  app.add_option("--cache", options.cache,
+                 "Folder to keep chains in, so that a worker that is started again need not be sent them again")
+      ->type_name("DIR");
   app.add_flag("--echo", echoes, "Answer every task at once, for the bare transport in 'coppice bench'")->group("");
   app.add_option("--log-level", log_level, "What to log to stderr")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))

@@ -12,6 +12,7 @@
 #include <unistd.h>
 #include <vector>
 
+#include "worker/chain_cache.hpp"
 #include "worker/lane.hpp"
 
 namespace coppice {
@@ -54,8 +55,8 @@ class Rest {
 
 class Server {
  public:
-  // `state` outlives it.
-  static Result<std::unique_ptr<Server>> open(const ServeOptions& options, WorkerState& state);
+  // `state` and `cache`, if there is one, outlive it.
+  static Result<std::unique_ptr<Server>> open(const ServeOptions& options, WorkerState& state, ChainCache* cache);
   ~Server() { stop_lanes(); }
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
@@ -64,12 +65,13 @@ class Server {
   Result<void> run(const StopFlag& stop);
 
  private:
-  Server(const ServeOptions& options, WorkerState& state, wire::Participant participant, wire::Waiter waiter,
-         wire::Reader<wire::Control> controls, wire::Reader<wire::Task> tasks, wire::Reader<wire::ChainBlock> blocks,
-         wire::Writer<wire::Hello> hellos, wire::Writer<wire::Answer> answers,
+  Server(const ServeOptions& options, WorkerState& state, ChainCache* cache, wire::Participant participant,
+         wire::Waiter waiter, wire::Reader<wire::Control> controls, wire::Reader<wire::Task> tasks,
+         wire::Reader<wire::ChainBlock> blocks, wire::Writer<wire::Hello> hellos, wire::Writer<wire::Answer> answers,
          wire::Writer<wire::ChainRequest> requests)
       : options_(options),
         state_(state),
+        cache_(cache),
         participant_(std::move(participant)),
         waiter_(std::move(waiter)),
         controls_(std::move(controls)),
@@ -91,6 +93,7 @@ class Server {
 
   const ServeOptions options_;
   WorkerState& state_;
+  ChainCache* const cache_;
   wire::Participant participant_;
   wire::Waiter waiter_;
   wire::Reader<wire::Control> controls_;
@@ -109,7 +112,7 @@ class Server {
   Clock::time_point next_hello_;
 };
 
-Result<std::unique_ptr<Server>> Server::open(const ServeOptions& options, WorkerState& state) {
+Result<std::unique_ptr<Server>> Server::open(const ServeOptions& options, WorkerState& state, ChainCache* cache) {
   const auto configuration = wire::worker_configuration(options.coordinator, options.domain, options.network);
   if (!configuration) {
     return tl::unexpected(configuration.error());
@@ -140,7 +143,7 @@ Result<std::unique_ptr<Server>> Server::open(const ServeOptions& options, Worker
   if (error) {
     return tl::unexpected(*error);
   }
-  std::unique_ptr<Server> server(new Server(options, state, std::move(*participant), std::move(*waiter),
+  std::unique_ptr<Server> server(new Server(options, state, cache, std::move(*participant), std::move(*waiter),
                                             std::move(*controls), std::move(*tasks), std::move(*blocks),
                                             std::move(*hellos), std::move(*answers), std::move(*requests)));
   if (auto ok = server->start_lanes(); !ok) {
@@ -225,6 +228,11 @@ void Server::meet(const wire::Control& control) {
     }
     assembly_ = std::move(*assembly);
     requested_end_ = 0;
+    if (cache_ != nullptr) {
+      if (const std::size_t blocks = cache_->resume(*assembly_); blocks > 0) {
+        spdlog::info("chain {}: {} of {} blocks are in the cache", hash.hex(), blocks, assembly_->blocks());
+      }
+    }
   }
   if (assembly_) {
     requested_end_ = 0;  // another coordinator has not been asked yet
@@ -264,6 +272,9 @@ Result<void> Server::take_blocks() {
     last_block_ = Clock::now();
   });
   if (assembly_) {
+    if (cache_ != nullptr) {
+      cache_->keep(*assembly_);
+    }
     if (assembly_->complete()) {
       return finish_chain();
     }
@@ -276,6 +287,9 @@ Result<void> Server::finish_chain() {
   const ChainHash hash = assembly_->hash();
   auto chain = std::move(*assembly_).finish();
   assembly_.reset();
+  if (cache_ != nullptr) {
+    chain ? cache_->done() : cache_->discard();
+  }
   if (!chain) {
     if (++failed_chains_ >= kMostFailedChains) {
       return failed(fmt::format("chain {}: {} (in {} transfers)", hash.hex(),
@@ -350,10 +364,18 @@ Result<void> serve(const ServeOptions& options, const StopFlag& stop) {
   state.pace = options.pace;
   spdlog::info("worker {:016x} looks for a coordinator at {} in domain {} (UDP port {})", state.worker,
                options.coordinator, options.domain, wire::coordinator_port(options.domain));
+  std::optional<ChainCache> cache;
+  if (!options.cache.empty()) {
+    auto opened = ChainCache::open(options.cache);
+    if (!opened) {
+      return tl::unexpected(opened.error());
+    }
+    cache.emplace(std::move(*opened));
+  }
   Rest rest(stop);
   std::optional<Clock::time_point> complained;
   while (!stop.raised()) {
-    auto server = Server::open(options, state);
+    auto server = Server::open(options, state, cache ? &*cache : nullptr);
     if (server) {
       complained.reset();
       if (auto ok = (*server)->run(stop); !ok) {

@@ -18,13 +18,14 @@ struct ServeOptions {
   wire::Network network;
   std::uint32_t threads = 1;
   std::chrono::nanoseconds pace{0};  // see WorkerState
+  std::string cache;                 // folder for chains that outlive this process; empty: none
   std::uint32_t protocol = 0;        // what this program speaks; coordinators that speak another are refused
   std::string version;
 };
 
 // Serves one coordinator after another until `stop` is raised, then gives back what it holds and returns. While there
 // is none, or none can be reached, it waits, and keeps the chains that it holds. Errors: a coordinator of another
-// protocol version; a chain that comes damaged again and again.
+// protocol version; a chain that comes damaged again and again; a cache that cannot be written (bad_input).
 Result<void> serve(const ServeOptions& options, const StopFlag& stop);
 
 }  // namespace coppice

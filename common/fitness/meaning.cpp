@@ -1,6 +1,5 @@
 #include "common/fitness/meaning.hpp"
 
-#include <unordered_map>
 #include <xxhash.h>
 
 #include "common/chain/alias_rows.hpp"
@@ -39,17 +38,6 @@ Meaning Meanings::of(const Tree& tree) {
   constexpr std::uint8_t kNone = 0xFF;
   fill_action_table(tree, *columns_, kNone, actions_);
   return meaning_of(actions_);
-}
-
-std::vector<std::uint32_t> Meanings::firsts(std::span<const Tree> trees) {
-  std::unordered_map<Meaning, std::uint32_t, MeaningHash> met;
-  met.reserve(trees.size());
-  std::vector<std::uint32_t> firsts;
-  firsts.reserve(trees.size());
-  for (const Tree& tree : trees) {
-    firsts.push_back(met.emplace(of(tree), static_cast<std::uint32_t>(firsts.size())).first->second);
-  }
-  return firsts;
 }
 
 }  // namespace coppice

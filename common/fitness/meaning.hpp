@@ -38,8 +38,6 @@ class Meanings {
 
   // REQUIRES: check_tree(tree, vocabulary of the chain).
   Meaning of(const Tree& tree);
-  // For each tree the index of the first one that means the same: its own, if there is none before it.
-  std::vector<std::uint32_t> firsts(std::span<const Tree> trees);
 
  private:
   std::optional<StateColumns> columns_;

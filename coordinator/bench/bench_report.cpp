@@ -44,7 +44,7 @@ std::string to_text(const Machine& machine) {
 }
 
 std::string to_text(const WorkloadScaling& scaling) {
-  constexpr const char* kRow = "  {:<11} {:>15} {:>8} {:>8} {:>6} {:>14} {:>14} {:>8} {:>9} {:>6}\n";
+  constexpr const char* kRow = "  {:<12} {:>15} {:>8} {:>8} {:>6} {:>14} {:>14} {:>8} {:>9} {:>6}\n";
   const auto individuals = static_cast<double>(scaling.individuals);
   std::string text = fmt::format("\n{}: {} individuals, {} x {} steps each\n", scaling.name, scaling.individuals,
                                  scaling.rollouts, scaling.steps);
@@ -53,10 +53,9 @@ std::string to_text(const WorkloadScaling& scaling) {
   text += fmt::format(kRow, "serial", time_text(scaling.serial_seconds),
                       rate_text(individuals / scaling.serial_seconds.median), "1.00", "", "", "", "", "", "");
   for (const ScalingRow& row : scaling.rows) {
-    text += fmt::format(kRow, counted(row.workers, "worker"), time_text(row.seconds),
-                        rate_text(individuals / row.seconds.median), fmt::format("{:.2f}", row.speed_up.median),
-                        fmt::format("{:.0f}%", 100.0 * row.efficiency), time_text(row.overhead.median),
-                        time_text(row.bare_seconds), fmt::format("{:.1f}", row.batches),
+    text += fmt::format(kRow, row.team.name(), time_text(row.seconds), rate_text(individuals / row.seconds.median),
+                        fmt::format("{:.2f}", row.speed_up.median), fmt::format("{:.0f}%", 100.0 * row.efficiency),
+                        time_text(row.overhead.median), time_text(row.bare_seconds), fmt::format("{:.1f}", row.batches),
                         fmt::format("{:.0f}", row.bytes), fmt::format("{:.1f}%", 100.0 * row.busy));
   }
   return text;
@@ -65,15 +64,15 @@ std::string to_text(const WorkloadScaling& scaling) {
 std::string verdict(const std::vector<WorkloadScaling>& scaling, unsigned cores) {
   std::string text = "\n";
   for (const ScalingRow& any : scaling.empty() ? std::vector<ScalingRow>{} : scaling.front().rows) {
-    const std::string who = counted(any.workers, "worker");
+    const std::string who = any.team.name();
     const auto row_of = [&](const WorkloadScaling& workload) {
       return std::find_if(workload.rows.begin(), workload.rows.end(),
-                          [&](const ScalingRow& row) { return row.workers == any.workers; });
+                          [&](const ScalingRow& row) { return row.team == any.team; });
     };
     const auto first = std::find_if(scaling.begin(), scaling.end(), [&](const WorkloadScaling& workload) {
       return row_of(workload)->speed_up.median > 1.0;
     });
-    if (any.workers == 1 || cores == 1) {
+    if (any.team.lanes() == 1 || cores == 1) {
       text += fmt::format("{} cannot pay here, only cost: the serial path has the core to itself.\n", who);
       continue;
     }
@@ -83,17 +82,45 @@ std::string verdict(const std::vector<WorkloadScaling>& scaling, unsigned cores)
       text += fmt::format("{} pay from the workload '{}' on (a generation of {} serially: {:.2f} times as fast).", who,
                           first->name, time_text(first->serial_seconds.median), row_of(*first)->speed_up.median);
     }
-    const double worthwhile = worthwhile_seconds(scaling, any.workers, cores);
+    const double worthwhile = worthwhile_seconds(scaling, any.team, cores);
     text += worthwhile > 0.0 ? fmt::format(" By their overhead they break even at a generation of {} serially.\n",
                                            time_text(worthwhile))
                              : "\n";
   }
   return text +
          fmt::format(
-             "generation: median and half the distance of the quartiles. overhead: beyond serial / min(workers, {} "
+             "generation: median and half the distance of the quartiles. overhead: beyond serial / min(threads, {} "
              "cores).\nbare DDS: the same batches, answered at once without evaluation. bytes/ind: payload, both ways. "
              "busy: the\ncoordinator's process, of one core. Every tally was equal to the serial one.\n",
              cores);
+}
+
+std::string to_text(const Transfer& transfer) {
+  constexpr double kMega = 1e6;
+  const auto rate = [&](const Spread& seconds) {
+    return fmt::format("{:.0f} MB/s", static_cast<double>(transfer.bytes) / kMega / seconds.median);
+  };
+  std::string text = fmt::format("\n{:.1f} MB in {}\n", static_cast<double>(transfer.bytes) / kMega,
+                                 counted(transfer.blocks, "block"));
+  text += fmt::format("  bare DDS, the same blocks   {:>14}  {:>9}\n", time_text(transfer.bare_seconds),
+                      rate(transfer.bare_seconds));
+  text += fmt::format("  to a worker                 {:>14}  {:>9}  {:.2f} of the bare rate\n",
+                      time_text(transfer.seconds), rate(transfer.seconds), transfer.share.median);
+  text += fmt::format("  the worker's start besides  {:>14}\n", time_text(transfer.start_seconds));
+  return text +
+         "to a worker: sent, hashed, decoded and made ready, less what a chain of one state takes. bare DDS: as many "
+         "blocks at\nonce, each answered with a few bytes.\n";
+}
+
+std::string to_json(const Machine& machine, const TransferSettings& settings, const Transfer& transfer) {
+  return json_line({{"machine", json_of(machine)},
+                    {"repetitions", settings.repetitions},
+                    {"bytes", transfer.bytes},
+                    {"blocks", transfer.blocks},
+                    {"start_seconds", json_of(transfer.start_seconds)},
+                    {"transfer_seconds", json_of(transfer.seconds)},
+                    {"bare_seconds", json_of(transfer.bare_seconds)},
+                    {"share_of_bare_rate", json_of(transfer.share)}});
 }
 
 std::string pacing_heading(const PacingSettings& settings) {
@@ -120,7 +147,8 @@ std::string to_json(const Machine& machine, const ScalingSettings& settings,
   for (const WorkloadScaling& workload : scaling) {
     Json rows = Json::array();
     for (const ScalingRow& row : workload.rows) {
-      rows.push_back({{"workers", row.workers},
+      rows.push_back({{"workers", row.team.workers},
+                      {"threads", row.team.threads},
                       {"generation_seconds", json_of(row.seconds)},
                       {"evaluations_per_second", static_cast<double>(workload.individuals) / row.seconds.median},
                       {"speed_up", json_of(row.speed_up)},
@@ -142,9 +170,11 @@ std::string to_json(const Machine& machine, const ScalingSettings& settings,
          {"workers", rows}});
   }
   Json pays = Json::array();
-  for (const std::size_t workers : settings.workers) {
-    const double seconds = worthwhile_seconds(scaling, workers, settings.cores);
-    pays.push_back({{"workers", workers}, {"break_even_seconds", seconds > 0.0 ? Json(seconds) : Json(nullptr)}});
+  for (const Team& team : settings.teams) {
+    const double seconds = worthwhile_seconds(scaling, team, settings.cores);
+    pays.push_back({{"workers", team.workers},
+                    {"threads", team.threads},
+                    {"break_even_seconds", seconds > 0.0 ? Json(seconds) : Json(nullptr)}});
   }
   return json_line({{"machine", json_of(machine)},
                     {"repetitions", settings.repetitions},

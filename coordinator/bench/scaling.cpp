@@ -6,13 +6,14 @@
 #include "coordinator/dispatch/remote_echo.hpp"
 #include "coordinator/dispatch/remote_evaluator.hpp"
 #include "coordinator/dispatch/serial_evaluator.hpp"
+#include "coordinator/report/counted.hpp"
 
 namespace coppice {
 namespace {
 
-// One number of workers: the evaluator that uses them, and as many that only echo.
+// One team: the evaluator that uses it, and as many workers that only echo.
 struct Contender {
-  std::size_t workers = 0;
+  Team team;
   std::unique_ptr<RemoteEvaluator> evaluator;
   std::unique_ptr<RemoteEcho> echo;
 };
@@ -30,28 +31,31 @@ struct Samples {
 Result<std::vector<Contender>> open_contenders(const std::shared_ptr<const Chain>& chain,
                                                const ScalingSettings& settings, const StopFlag& stop) {
   std::vector<Contender> contenders;
-  for (const std::size_t workers : settings.workers) {
+  for (const Team& team : settings.teams) {
     RemoteOptions options;
-    options.local_workers = workers;
+    options.local_workers = team.workers;
     options.worker_program = settings.worker_program;
+    LocalWorkers::Flags flags;
     if (!settings.security.empty()) {
       options.network.security = settings.security / "coordinator";
-      options.worker_flags.assign(workers, {"--security", (settings.security / "worker").string()});
+      flags = {"--security", (settings.security / "worker").string()};
     }
+    const std::vector<LocalWorkers::Flags> of_echoes(team.workers, flags);
+    flags.insert(flags.end(), {"--threads", std::to_string(team.threads)});
+    options.worker_flags.assign(team.workers, flags);
     const wire::Network network = options.network;
-    const std::vector<LocalWorkers::Flags> flags = options.worker_flags;
     auto evaluator = RemoteEvaluator::open(chain, std::move(options), stop);
     if (!evaluator) {
       return tl::unexpected(evaluator.error());
     }
-    if (auto ok = (*evaluator)->await_workers(workers); !ok) {
+    if (auto ok = (*evaluator)->await_workers(team.workers); !ok) {
       return tl::unexpected(ok.error());
     }
-    auto echo = RemoteEcho::open(settings.worker_program, workers, stop, network, flags);
+    auto echo = RemoteEcho::open(settings.worker_program, team.workers, stop, network, of_echoes);
     if (!echo) {
       return tl::unexpected(echo.error());
     }
-    contenders.push_back({workers, std::move(*evaluator), std::move(*echo)});
+    contenders.push_back({team, std::move(*evaluator), std::move(*echo)});
   }
   return contenders;
 }
@@ -135,12 +139,12 @@ class WorkloadMeasurement {
       return tl::unexpected(got.error());
     }
     if (*got != expected) {
-      return failed(fmt::format("workload {}: {} workers gave other tallies than the serial path", workload_.name,
-                                contender.workers));
+      return failed(fmt::format("workload {}: {} gave other tallies than the serial path", workload_.name,
+                                contender.team.name()));
     }
     sample.traffic = difference(contender.evaluator->statistics(), before);
     const double generation = per_generation(seconds);
-    const auto gaining = static_cast<double>(std::min<std::size_t>(contender.workers, settings_.cores));
+    const auto gaining = static_cast<double>(std::min<std::size_t>(contender.team.lanes(), settings_.cores));
     sample.seconds = {generation};
     sample.speed_up = {serial / generation};
     sample.overhead = {generation - serial / gaining};
@@ -187,12 +191,12 @@ class WorkloadMeasurement {
       const Samples& samples = samples_[i];
       const auto bytes = static_cast<double>(samples.traffic.sent_bytes + samples.traffic.received_bytes);
       ScalingRow row;
-      row.workers = contenders_[i].workers;
+      row.team = contenders_[i].team;
       row.seconds = spread_of(samples.seconds);
       row.speed_up = spread_of(samples.speed_up);
       row.overhead = spread_of(samples.overhead);
       row.bare_seconds = spread_of(samples.bare_seconds);
-      row.efficiency = row.speed_up.median / static_cast<double>(row.workers);
+      row.efficiency = row.speed_up.median / static_cast<double>(row.team.lanes());
       row.batches = static_cast<double>(samples.traffic.batches) / generations;
       row.bytes = bytes / static_cast<double>(samples.traffic.individuals);
       row.busy = spread_of(samples.busy).median;
@@ -210,6 +214,10 @@ class WorkloadMeasurement {
 };
 
 }  // namespace
+
+std::string Team::name() const {
+  return counted(workers, "worker") + (threads == 1 ? "" : fmt::format(" x {}", threads));
+}
 
 Result<std::vector<WorkloadScaling>> measure_scaling(const std::shared_ptr<const Chain>& chain,
                                                      const std::vector<Workload>& workloads,
@@ -235,11 +243,11 @@ Result<std::vector<WorkloadScaling>> measure_scaling(const std::shared_ptr<const
   return all;
 }
 
-double worthwhile_seconds(const std::vector<WorkloadScaling>& scaling, std::size_t workers, unsigned cores) {
-  const auto gaining = static_cast<double>(std::min<std::size_t>(workers, cores));
+double worthwhile_seconds(const std::vector<WorkloadScaling>& scaling, const Team& team, unsigned cores) {
+  const auto gaining = static_cast<double>(std::min<std::size_t>(team.lanes(), cores));
   for (const WorkloadScaling& workload : scaling) {
     const auto row = std::find_if(workload.rows.begin(), workload.rows.end(),
-                                  [&](const ScalingRow& candidate) { return candidate.workers == workers; });
+                                  [&](const ScalingRow& candidate) { return candidate.team == team; });
     if (workload.steps > 1 && row != workload.rows.end() && gaining > 1.0) {
       return std::max(row->overhead.median, 0.0) / (1.0 - 1.0 / gaining);
     }

@@ -18,20 +18,30 @@
 
 namespace coppice {
 
+// Worker processes of so many evaluating threads each.
+struct Team {
+  std::size_t workers = 1;
+  std::uint32_t threads = 1;
+
+  std::size_t lanes() const { return workers * threads; }
+  std::string name() const;  // "2 workers", "1 worker x 2"
+  bool operator==(const Team&) const = default;
+};
+
 struct ScalingSettings {
-  std::vector<std::size_t> workers = {1, 2, 4};
+  std::vector<Team> teams = {{1}, {2}, {4}};
   std::uint32_t repetitions = 7;
   std::filesystem::path worker_program;
   std::filesystem::path security = {};  // holds identities under DDS Security, coordinator/ and worker/; empty: none
-  unsigned cores = 1;                   // workers beyond them are not expected to gain
+  unsigned cores = 1;                   // threads beyond them are not expected to gain
 };
 
 // Of one workload; seconds are those of one generation.
 struct ScalingRow {
-  std::size_t workers = 0;
+  Team team;
   Spread seconds;
   Spread speed_up;      // serial / this, repetition by repetition
-  Spread overhead;      // seconds beyond serial / min(workers, cores)
+  Spread overhead;      // seconds beyond serial / min(threads of all workers, cores)
   Spread bare_seconds;  // the same batches answered at once, over bare DDS
   double efficiency = 0.0;
   double batches = 0.0;  // a generation
@@ -54,8 +64,8 @@ Result<std::vector<WorkloadScaling>> measure_scaling(const std::shared_ptr<const
                                                      const ScalingSettings& settings, const StopFlag& stop,
                                                      const std::function<void(const WorkloadScaling&)>& done);
 
-// From which serial time of a generation on so many workers gain, by the overhead that was measured with the smallest
+// From which serial time of a generation on a team gains, by the overhead that was measured with the smallest
 // workload that has work in it; 0: never.
-double worthwhile_seconds(const std::vector<WorkloadScaling>& scaling, std::size_t workers, unsigned cores);
+double worthwhile_seconds(const std::vector<WorkloadScaling>& scaling, const Team& team, unsigned cores);
 
 }  // namespace coppice

@@ -25,17 +25,19 @@ namespace {
 constexpr std::uint64_t kEpisodes = 50'000;  // for the chain of our own: most states of the default room, in 0.2 s
 constexpr std::uint64_t kMostRepetitions = 1000;
 constexpr std::uint64_t kMostPopulation = 1'000'000;
+constexpr std::uint32_t kMostThreads = 1024;  // as coppice-worker
 
 struct Options {
   std::string study;
   std::string worker_program;
   std::string security;
-  std::vector<std::size_t> workers = {1, 2, 4};
+  std::vector<std::string> workers = {"1", "2", "4"};
   std::vector<std::string> workloads;
   std::uint32_t repetitions = 7;
   std::string pace;
   std::string slow;  // K:DURATION
   std::uint32_t population = 0;
+  bool transfer = false;
   bool json = false;
 };
 
@@ -83,6 +85,34 @@ Result<std::vector<Workload>> workloads_of(const Options& options, const Chain& 
   return chosen;
 }
 
+// "2", or "1x2": one worker of two threads.
+Result<Team> team_of(const std::string& text) {
+  Team team;
+  const char* const end = text.data() + text.size();
+  auto read = std::from_chars(text.data(), end, team.workers);
+  if (read.ec == std::errc() && read.ptr != end && *read.ptr == 'x') {
+    read = std::from_chars(read.ptr + 1, end, team.threads);
+  }
+  if (read.ec != std::errc() || read.ptr != end || team.workers < 1 || team.workers > LocalWorkers::kMaxWorkers ||
+      team.threads < 1 || team.threads > kMostThreads) {
+    return bad_input(fmt::format("--workers: '{}' found: expected 1 to {}, or workers x threads of each, as in 1x2",
+                                 text, LocalWorkers::kMaxWorkers));
+  }
+  return team;
+}
+
+Result<std::vector<Team>> teams_of(const Options& options) {
+  std::vector<Team> teams;
+  for (const std::string& text : options.workers) {
+    const auto team = team_of(text);
+    if (!team) {
+      return tl::unexpected(team.error());
+    }
+    teams.push_back(*team);
+  }
+  return teams;
+}
+
 // "1:20ms".
 Result<void> read_slow(const std::string& text, PacingSettings& settings) {
   std::size_t count = 0;
@@ -104,9 +134,16 @@ Result<void> read_slow(const std::string& text, PacingSettings& settings) {
   return {};
 }
 
-Result<PacingSettings> pacing_of(const Options& options, const std::filesystem::path& worker_program) {
+Result<PacingSettings> pacing_of(const Options& options, const std::vector<Team>& teams,
+                                 const std::filesystem::path& worker_program) {
   PacingSettings settings;
-  settings.workers = options.workers;
+  settings.workers.clear();
+  for (const Team& team : teams) {
+    if (team.threads > 1) {
+      return bad_input(fmt::format("--workers: {} found: expected numbers of workers with --pace", team.name()));
+    }
+    settings.workers.push_back(team.workers);
+  }
   settings.population = options.population;
   settings.repetitions = options.repetitions;
   settings.worker_program = worker_program;
@@ -165,9 +202,13 @@ Result<void> bench_command(const Options& options, const StopFlag& stop) {
   if (!program) {
     return tl::unexpected(program.error());
   }
+  const auto teams = teams_of(options);
+  if (!teams) {
+    return tl::unexpected(teams.error());
+  }
   std::optional<PacingSettings> pacing;
   if (!options.pace.empty()) {
-    auto settings = pacing_of(options, program->worker_program);
+    auto settings = pacing_of(options, *teams, program->worker_program);
     if (!settings) {
       return tl::unexpected(settings.error());
     }
@@ -190,7 +231,16 @@ Result<void> bench_command(const Options& options, const StopFlag& stop) {
   if (pacing) {
     return bench_pacing(*pacing, *chain, machine, options.json, stop);
   }
-  const ScalingSettings settings{.workers = options.workers,
+  if (options.transfer) {
+    const TransferSettings settings{options.repetitions, program->worker_program};
+    const auto transfer = measure_transfer(*chain, settings, stop);
+    if (!transfer) {
+      return tl::unexpected(transfer.error());
+    }
+    print_now(options.json ? to_json(machine, settings, *transfer) + "\n" : to_text(*transfer));
+    return {};
+  }
+  const ScalingSettings settings{.teams = *teams,
                                  .repetitions = options.repetitions,
                                  .worker_program = program->worker_program,
                                  .security = options.security,
@@ -205,10 +255,11 @@ void add_bench(CLI::App& app, Invocation& invocation) {
   CLI::App* command =
       app.add_subcommand("bench", "Measure evaluation: the serial path, then workers, side by side on this machine");
   command->add_option("--study", options->study, "Whose chain to evaluate on (default: one that is learned now)");
-  command->add_option("--workers", options->workers, "Numbers of worker processes to try (default: 1,2,4)")
-      ->type_name("N,N,...")
-      ->delimiter(',')
-      ->check(whole_number(1, LocalWorkers::kMaxWorkers));
+  command
+      ->add_option("--workers", options->workers,
+                   "Numbers of worker processes to try, or processes x threads of each (default: 1,2,4)")
+      ->type_name("N|NxT,...")
+      ->delimiter(',');
   command->add_option("--repetitions", options->repetitions, "Of everything, in turn; medians are printed")
       ->check(whole_number(1, kMostRepetitions))
       ->capture_default_str();
@@ -228,6 +279,9 @@ void add_bench(CLI::App& app, Invocation& invocation) {
   command->add_option("--population", options->population, "With --pace: individuals (default: 50 for each worker)")
       ->check(whole_number(1, kMostPopulation))
       ->needs(pace);
+  command->add_flag("--transfer", options->transfer, "How fast the chain reaches a worker instead, beside bare DDS")
+      ->excludes(pace)
+      ->excludes(workloads);
   command
       ->add_option("--worker-program", options->worker_program,
                    "What to start (default: coppice-worker beside this program, or on PATH)")
@@ -241,7 +295,8 @@ void add_bench(CLI::App& app, Invocation& invocation) {
   command->footer(
       "Fails if any worker gives another result than the serial path.\n"
       "Examples:\n"
-      "  coppice bench --workers 1,2\n"
+      "  coppice bench --workers 1,2,1x2\n"
+      "  coppice bench --transfer --study large.coppice\n"
       "  coppice bench --pace 2ms --workers 1,8,64\n"
       "  coppice bench --pace 2ms --workers 20 --slow 1:20ms");
   command->callback([&invocation, options] {

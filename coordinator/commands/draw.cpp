@@ -4,15 +4,14 @@
 #include <memory>
 
 #include "coordinator/commands/commands.hpp"
-#include "coordinator/commands/tree_option.hpp"
+#include "coordinator/commands/study_tree.hpp"
 #include "coordinator/report/whole_file.hpp"
 
 namespace coppice {
 namespace {
 
 struct Options {
-  std::string study;
-  TreeOption tree;
+  StudyTreeOption tree;
   std::string output;
 };
 
@@ -20,18 +19,15 @@ Result<void> draw_command(const Options& options) {
   if (const Result<DrawingFormat> format = drawing_format(options.output); !format) {
     return in_context("-o", format.error());
   }
-  const Result<Study> study = Study::open(options.study, Study::Access::read);
-  if (!study) {
-    return tl::unexpected(study.error());
+  const Result<StudyTree> given = open_study_tree(options.tree);
+  if (!given) {
+    return tl::unexpected(given.error());
   }
-  if (const Result<void> other = check_other_file("-o", options.output, options.study); !other) {
+  const auto& [study, tree] = *given;
+  if (const Result<void> other = check_other_file("-o", options.output, options.tree.study); !other) {
     return other;
   }
-  const Result<Tree> tree = tree_of(options.tree, *study);
-  if (!tree) {
-    return tl::unexpected(tree.error());
-  }
-  return write_drawing(*tree, study->chain().vocabulary(), options.output);
+  return write_drawing(tree, study.chain().vocabulary(), options.output);
 }
 
 }  // namespace
@@ -39,8 +35,7 @@ Result<void> draw_command(const Options& options) {
 void add_draw(CLI::App& app, Invocation& invocation) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("draw", "Draw a tree with Graphviz");
-  command->add_option("STUDY", options->study, "The study file")->required();
-  add_tree_option(*command, options->tree);
+  add_study_tree(*command, options->tree);
   command->add_option("-o,--output", options->output, "The drawing; the extension chooses its format")
       ->type_name("FILE.svg|.png|.dot")
       ->required();

@@ -9,9 +9,8 @@
 
 #include "common/tree/text.hpp"
 #include "coordinator/commands/commands.hpp"
-#include "coordinator/commands/learn_options.hpp"
-#include "coordinator/commands/tree_option.hpp"
-#include "coordinator/commands/whole_number.hpp"
+#include "coordinator/commands/simulate_option.hpp"
+#include "coordinator/commands/study_tree.hpp"
 #include "coordinator/report/json_line.hpp"
 #include "coordinator/report/score.hpp"
 #include "coordinator/report/whole_file.hpp"
@@ -24,15 +23,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string study;
-  TreeOption tree;
+  StudyTreeOption tree;
   std::vector<std::string> replacements;
   std::vector<std::string> insertions;
   std::vector<std::string> deletions;
   std::string output;
-  std::optional<std::uint32_t> steps;
-  std::uint64_t episodes = SimulateSettings{}.episodes;
-  std::uint64_t seed = SimulateSettings{}.seed;
+  SimulateOption simulate;
   bool json = false;
 };
 
@@ -58,18 +54,13 @@ Result<std::vector<TreeEdit>> edits_of(const Options& options, const Vocabulary&
 Result<TreeFigures> scored(const Tree& tree, const Study& study, const SimulateSettings& settings,
                            const StopFlag& stop) {
   TreeFigures figures = figures_of(study.chain(), tree, settings.steps);
-  if (study.world().kind == kNoWorld) {
-    return figures;
+  const auto episodes = simulated(study, tree, settings, stop);
+  if (!episodes) {
+    return tl::unexpected(episodes.error());
   }
-  const Result<World> world = make_world(study.world().kind, study.world().room);
-  if (!world) {
-    return in_context(study.path(), world.error());
+  if (*episodes) {
+    figures.simulated = controller_score(**episodes);
   }
-  const auto episodes = simulate_tree(*world, study.chain(), tree, settings, [&] { return !stop.raised(); });
-  if (episodes.size() < settings.episodes) {
-    return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
-  }
-  figures.simulated = controller_score(episodes);
   return figures;
 }
 
@@ -77,8 +68,8 @@ Json json_of(const Tree& tree, const TreeFigures& figures, const Vocabulary& voc
   Json json = {{"tree", to_text(tree, vocabulary)},
                {"nodes", figures.nodes},
                {"agreement_over_states", figures.coverage()},
-               {"agreement_along_chain", figures.agreement},
-               {"reward_along_chain", figures.reward}};
+               {"agreement_along_chain", figures.along_chain.agreement},
+               {"reward_along_chain", figures.along_chain.reward}};
   if (figures.simulated) {
     const ControllerScore& score = *figures.simulated;
     json["agreement_in_simulation"] = {{"mean", score.agreement.mean}, {"margin", score.agreement.margin}};
@@ -89,39 +80,34 @@ Json json_of(const Tree& tree, const TreeFigures& figures, const Vocabulary& voc
 }
 
 Result<void> edit_command(const Options& options, const StopFlag& stop) {
-  const Result<Study> study = Study::open(options.study, Study::Access::read);
-  if (!study) {
-    return tl::unexpected(study.error());
+  const Result<StudyTree> given = open_study_tree(options.tree);
+  if (!given) {
+    return tl::unexpected(given.error());
   }
-  const Result<Tree> tree = tree_of(options.tree, *study);
-  if (!tree) {
-    return tl::unexpected(tree.error());
-  }
+  const auto& [study, tree] = *given;
   if (!options.output.empty()) {
-    if (const Result<void> checked = check_other_file("-o", options.output, options.study); !checked) {
+    if (const Result<void> checked = check_other_file("-o", options.output, options.tree.study); !checked) {
       return checked;
     }
   }
-  const Vocabulary& vocabulary = study->chain().vocabulary();
+  const Vocabulary& vocabulary = study.chain().vocabulary();
   const Result<std::vector<TreeEdit>> edits = edits_of(options, vocabulary);
   if (!edits) {
     return tl::unexpected(edits.error());
   }
-  const Result<Tree> edited = apply_edits(*tree, *edits);
+  const Result<Tree> edited = apply_edits(tree, *edits);
   if (!edited) {
     return tl::unexpected(edited.error());
   }
-  const SimulateSettings settings{.episodes = options.episodes,
-                                  .steps = options.steps ? *options.steps : learned_steps(*study),
-                                  .seed = options.seed};
+  const SimulateSettings settings = settings_of(options.simulate, study);
   if (const Result<void> checked = check_score_settings(settings); !checked) {
     return checked;
   }
-  const Result<TreeFigures> before = scored(*tree, *study, settings, stop);
+  const Result<TreeFigures> before = scored(tree, study, settings, stop);
   if (!before) {
     return tl::unexpected(before.error());
   }
-  const Result<TreeFigures> after = edits->empty() ? before : scored(*edited, *study, settings, stop);
+  const Result<TreeFigures> after = edits->empty() ? before : scored(*edited, study, settings, stop);
   if (!after) {
     return tl::unexpected(after.error());
   }
@@ -131,16 +117,15 @@ Result<void> edit_command(const Options& options, const StopFlag& stop) {
     }
   }
   if (options.json) {
-    const Json json = {{"before", json_of(*tree, *before, vocabulary)},
-                       {"after", json_of(*edited, *after, vocabulary)}};
+    const Json json = {{"before", json_of(tree, *before, vocabulary)}, {"after", json_of(*edited, *after, vocabulary)}};
     fmt::print("{}\n", json_line(json));
     return {};
   }
   if (edits->empty()) {
-    fmt::print("{}\n{}", numbered(*tree, vocabulary), side_by_side({"now"}, {*before}));
+    fmt::print("{}\n{}", numbered(tree, vocabulary), side_by_side({"now"}, {*before}));
     return {};
   }
-  fmt::print("before:\n{}\nafter:\n{}\n{}{}\n", numbered(*tree, vocabulary), numbered(*edited, vocabulary),
+  fmt::print("before:\n{}\nafter:\n{}\n{}{}\n", numbered(tree, vocabulary), numbered(*edited, vocabulary),
              side_by_side({"before", "after"}, {*before, *after}), to_text(*edited, vocabulary));
   return {};
 }
@@ -150,8 +135,7 @@ Result<void> edit_command(const Options& options, const StopFlag& stop) {
 void add_edit(CLI::App& app, Invocation& invocation) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("edit", "Change a tree by hand, and see its scores before and after");
-  command->add_option("STUDY", options->study, "The study file")->required();
-  add_tree_option(*command, options->tree);
+  add_study_tree(*command, options->tree);
   const auto add_change = [&](const char* flag, std::vector<std::string>& into, const char* help, const char* type) {
     command->add_option(flag, into, help)->type_name(type)->allow_extra_args(false);
   };
@@ -160,16 +144,11 @@ void add_edit(CLI::App& app, Invocation& invocation) {
              "Insert a child into node N, in front of its child number P; may be repeated", "'N P SUBTREE'");
   add_change("--delete", options->deletions, "Delete node N and what is under it; may be repeated", "N");
   command->add_option("-o,--output", options->output, "Write the tree to this file")->type_name("FILE");
-  command->add_option("--episodes", options->episodes, "Episodes in the simulator")
-      ->check(whole_number())
-      ->capture_default_str();
-  command->add_option("--steps", options->steps, "Steps per episode (default: as in learning)")->check(whole_number());
-  command->add_option("--seed", options->seed, "Of the simulator")->check(whole_number())->capture_default_str();
+  add_simulate_option(*command, options->simulate);
   command->add_flag("--json", options->json, "Report as one JSON object");
   command->footer(
-      "Nodes are numbered as shown, from 0 for the root; children from 0. All numbers are those of the tree before "
-      "any\n"
-      "change. Without a change: the numbered tree and its scores.\n"
+      "Nodes are numbered as shown, from 0 for the root; children from 0. All numbers are those of the tree before\n"
+      "any change. Without a change: the numbered tree and its scores.\n"
       "Examples:\n"
       "  coppice edit uav.coppice\n"
       "  coppice edit uav.coppice --insert '0 0 (sequence s5=3 turn_right)' -o better.tree\n"

@@ -12,6 +12,7 @@
 #include "common/tree/state_columns.hpp"
 #include "common/tree/text.hpp"
 #include "coordinator/commands/evaluator_option.hpp"
+#include "coordinator/commands/honest_evolution.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/evolution/evolve.hpp"
 #include "coordinator/report/counted.hpp"
@@ -41,20 +42,47 @@ std::string progress_text(const GenerationRecord& record, const DispatchStatisti
   return text;
 }
 
-Json json_of(const DispatchStatistics& statistics) {
+// What workers that lied have to do with the result.
+struct Trust {
+  std::uint32_t fresh_starts = 0;
+  std::uint32_t begin = 0;  // generations that another process did
+  bool quarantined = false;
+
+  // Of the first generations, so many may hold what a worker said that this process found out.
+  std::uint32_t suspect() const { return quarantined ? begin : 0; }
+};
+
+std::string in_words(const Trust& trust) {
+  std::string text;
+  if (trust.fresh_starts > 0) {
+    text +=
+        fmt::format("begun again {} from generation {}, because a worker had answered wrongly: the result is honest\n",
+                    counted(trust.fresh_starts, "time"), trust.begin + 1);
+  }
+  if (trust.suspect() > 0) {
+    text += fmt::format(
+        "suspect: generations 1 to {} were done before this run was resumed, perhaps with the worker that was "
+        "quarantined now; to be sure, begin the run anew with the same settings and seed\n",
+        trust.suspect());
+  }
+  return text;
+}
+
+Json json_of(const DispatchStatistics& statistics, const Trust& trust) {
   return {{"individuals", statistics.individuals},   {"repeated", statistics.repeated},
           {"batches", statistics.batches},           {"duplicates", statistics.duplicates},
           {"requeued", statistics.requeued},         {"rejected", statistics.rejected},
           {"workers_lost", statistics.workers_lost}, {"cross_checked", statistics.cross_checked},
-          {"quarantined", statistics.quarantined}};
+          {"quarantined", statistics.quarantined},   {"begun_again", trust.fresh_starts},
+          {"suspect_generations", trust.suspect()}};
 }
 
 // The run's figures; what a repetition with the same seed repeats, but for seconds and dispatch.
-Json outcome_json(const Evolved& evolved, const DispatchStatistics& statistics, double seconds) {
+Json outcome_json(const Evolved& evolved, const DispatchStatistics& statistics, const Trust& trust, double seconds) {
   return {{"fitness", evolved.best.fitness},         {"agreement", evolved.best.agreement},
           {"final_steps", evolved.final_steps},      {"best_generation", evolved.best.generation},
           {"generations", evolved.generations_done}, {"seconds", seconds},
-          {"dispatch", json_of(statistics)}};
+          {"dispatch", json_of(statistics, trust)}};
 }
 
 // Of what the answer's agreement is a share.
@@ -141,8 +169,11 @@ Result<EvolveConfig> evolve_config(const EvolveOptions& options, std::optional<s
 
 Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const StopFlag& stop) {
   const auto chain = std::make_shared<const Chain>(study.chain());
+  bool taken_back = false;
+  EvaluatorChoice choice = task.evaluator;
+  choice.taken_back = [&taken_back] { taken_back = true; };
   // Before the run exists: workers that cannot start leave no trace in the study.
-  const Result<std::unique_ptr<Evaluator>> evaluator = open_evaluator(chain, task.evaluator, stop);
+  const Result<std::unique_ptr<Evaluator>> evaluator = open_evaluator(chain, choice, stop);
   if (!evaluator) {
     return tl::unexpected(evaluator.error());
   }
@@ -165,11 +196,12 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
     }
     progress.update(record.generation + 1, progress_text(record, (*evaluator)->statistics(), serial));
     if (stop.raised()) {
-      return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+      return interrupted();
     }
     return {};
   };
-  const Result<Evolved> evolved = evolve(*chain, started->config, **evaluator, std::move(started->checkpoint), hooks);
+  const auto [evolved, fresh_starts] =
+      evolve_honestly(study, run, started->config, started->checkpoint, **evaluator, taken_back, hooks);
   const double seconds = std::chrono::duration<double>(Clock::now() - began).count();
   const DispatchStatistics statistics = (*evaluator)->statistics();
   if (!evolved) {
@@ -190,7 +222,8 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
   const Vocabulary& vocabulary = chain->vocabulary();
   const Tree pruned = simplify(evolved->best.tree, vocabulary, StateColumns(vocabulary, chain->parts().features)).tree;
   const RunStatus status = evolved->interrupted ? RunStatus::interrupted : RunStatus::finished;
-  const Json outcome = outcome_json(*evolved, statistics, seconds);
+  const Trust trust{fresh_starts, begin, statistics.quarantined > 0};
+  const Json outcome = outcome_json(*evolved, statistics, trust, seconds);
   if (const Result<void> saved = study.save_front(run, evolved->front); !saved) {
     return tl::unexpected(saved.error());
   }
@@ -210,10 +243,15 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
                       statistics.individuals,
                       100.0 * static_cast<double>(statistics.repeated) /
                           static_cast<double>(std::max<std::uint64_t>(1, statistics.individuals)));
+  text += in_words(trust);
   text += fmt::format("evolved, {}:\n{}\n", counted(evolved->best.tree.size(), "node"), tree_text);
   text += fmt::format("pruned, {}:\n{}\n", counted(pruned.size(), "node"), pruned_text);
   if (!evolved->front.members.empty()) {
     text += fmt::format("front: {} (coppice front {})\n", counted(evolved->front.members.size(), "tree"), study.path());
+  }
+  if (!evolved->pick_fits) {
+    text += fmt::format("no tree of the front fits front.pick '{}': this is the one of the highest fitness\n",
+                        started->config.front.pick);
   }
   Json json = {{"study", study.path()},
                {"run", static_cast<std::int64_t>(run)},
@@ -223,6 +261,7 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
   json.update(outcome);
   if (!evolved->front.members.empty()) {
     json["front"] = evolved->front.members.size();
+    json["pick_fits"] = evolved->pick_fits;
   }
   json["tree"] = tree_text;
   json["nodes"] = evolved->best.tree.size();

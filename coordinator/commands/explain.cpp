@@ -5,7 +5,7 @@
 
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/learn_options.hpp"
-#include "coordinator/commands/tree_option.hpp"
+#include "coordinator/commands/study_tree.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/report/json_line.hpp"
 #include "coordinator/trust/explanation_report.hpp"
@@ -14,8 +14,7 @@ namespace coppice {
 namespace {
 
 struct Options {
-  std::string study;
-  TreeOption tree;
+  StudyTreeOption tree;
   std::string weights = std::string(name_of(Weighting::tree));
   std::optional<std::uint32_t> steps;
   std::uint32_t tests = ExplainSettings{}.tests;
@@ -25,30 +24,27 @@ struct Options {
 };
 
 Result<void> explain_command(const Options& options) {
-  const Result<Study> study = Study::open(options.study, Study::Access::read);
-  if (!study) {
-    return tl::unexpected(study.error());
+  const Result<StudyTree> given = open_study_tree(options.tree);
+  if (!given) {
+    return tl::unexpected(given.error());
   }
-  const Result<Tree> tree = tree_of(options.tree, *study);
-  if (!tree) {
-    return tl::unexpected(tree.error());
-  }
+  const auto& [study, tree] = *given;
   const Result<Weighting> weighting = weighting_named(options.weights);
   if (!weighting) {
     return in_context("--weights", weighting.error());
   }
   const ExplainSettings settings{.weighting = *weighting,
-                                 .steps = options.steps ? *options.steps : learned_steps(*study),
+                                 .steps = options.steps ? *options.steps : learned_steps(study),
                                  .tests = options.tests,
                                  .groups = options.groups};
   if (const Result<void> checked = check_settings(settings); !checked) {
     return checked;
   }
-  const ExplainReport report = explain_report(study->chain(), *tree, settings);
+  const ExplainReport report = explain_report(study.chain(), tree, settings);
   if (options.json) {
-    fmt::print("{}\n", json_line(to_json(report, study->chain(), *tree, options.most_states)));
+    fmt::print("{}\n", json_line(to_json(report, study.chain(), tree, options.most_states)));
   } else {
-    fmt::print("{}", to_text(report, study->chain(), *tree, options.most_states));
+    fmt::print("{}", to_text(report, study.chain(), tree, options.most_states));
   }
   return {};
 }
@@ -59,8 +55,7 @@ void add_explain(CLI::App& app, Invocation& invocation) {
   const auto options = std::make_shared<Options>();
   CLI::App* command =
       app.add_subcommand("explain", "Where tree and policy differ, what it costs, and which branch to add next");
-  command->add_option("STUDY", options->study, "The study file")->required();
-  add_tree_option(*command, options->tree);
+  add_study_tree(*command, options->tree);
   command
       ->add_option("--weights", options->weights,
                    "What a state weighs: visits of the tree, of the policy, or in learning; or all states the same")

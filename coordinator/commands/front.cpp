@@ -7,6 +7,7 @@
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/report/counted.hpp"
+#include "coordinator/report/front_plot.hpp"
 #include "coordinator/report/front_report.hpp"
 #include "coordinator/report/whole_file.hpp"
 #include "coordinator/study/study.hpp"
@@ -108,7 +109,7 @@ Result<void> front_command(const Options& options) {
     axes = *chosen;
   }
   if (axes) {
-    if (const auto written = write_whole_file(options.plot, front_svg(front, *axes, picked)); !written) {
+    if (const auto written = write_front_plot(front, *axes, picked, options.plot); !written) {
       return written;
     }
   }
@@ -152,9 +153,8 @@ void add_front(CLI::App& app, Invocation& invocation) {
       ->capture_default_str();
   command->add_flag("--json", options->json, "The front as one JSON list");
   command->footer(
-      "A rule: best MEASURE [with MEASURE<=NUMBER and ...], with <=, >= or =; shares are from 0 to 1; a measure is "
-      "one\n"
-      "that the run evaluated, nodes, or fitness.\n"
+      "A rule: best MEASURE [with MEASURE<=NUMBER and ...], with <=, >= or =; shares are from 0 to 1; a measure is\n"
+      "one that the run evaluated, nodes, or fitness.\n"
       "Examples:\n"
       "  coppice front uav.coppice --plot front.svg\n"
       "  coppice front uav.coppice --pick 'best return with nodes<=20 and coverage>=0.8' -o best.tree\n"

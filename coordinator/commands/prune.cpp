@@ -7,7 +7,7 @@
 #include "common/tree/state_columns.hpp"
 #include "common/tree/text.hpp"
 #include "coordinator/commands/commands.hpp"
-#include "coordinator/commands/tree_option.hpp"
+#include "coordinator/commands/study_tree.hpp"
 #include "coordinator/report/counted.hpp"
 #include "coordinator/report/json_line.hpp"
 
@@ -15,32 +15,28 @@ namespace coppice {
 namespace {
 
 struct Options {
-  std::string study;
-  TreeOption tree;
+  StudyTreeOption tree;
   bool sound = false;
   bool json = false;
 };
 
 Result<void> prune_command(const Options& options) {
-  const Result<Study> study = Study::open(options.study, Study::Access::read);
-  if (!study) {
-    return tl::unexpected(study.error());
+  const Result<StudyTree> given = open_study_tree(options.tree);
+  if (!given) {
+    return tl::unexpected(given.error());
   }
-  const Result<Tree> tree = tree_of(options.tree, *study);
-  if (!tree) {
-    return tl::unexpected(tree.error());
-  }
-  const Vocabulary& vocabulary = study->chain().vocabulary();
-  const Simplified pruned =
-      options.sound ? simplify(*tree, vocabulary)
-                    : simplify(*tree, vocabulary, StateColumns(vocabulary, study->chain().parts().features));
+  const auto& [study, tree] = *given;
+  const Vocabulary& vocabulary = study.chain().vocabulary();
+  const Simplified pruned = options.sound
+                                ? simplify(tree, vocabulary)
+                                : simplify(tree, vocabulary, StateColumns(vocabulary, study.chain().parts().features));
   if (options.json) {
     nlohmann::ordered_json removals = nlohmann::ordered_json::array();
     for (const Removal& removal : pruned.removals) {
       removals.push_back({{"what", removal.what}, {"reason", removal.reason}, {"nodes", removal.nodes}});
     }
-    const nlohmann::ordered_json json = {{"tree", to_text(*tree, vocabulary)},
-                                         {"nodes", tree->size()},
+    const nlohmann::ordered_json json = {{"tree", to_text(tree, vocabulary)},
+                                         {"nodes", tree.size()},
                                          {"pruned", to_text(pruned.tree, vocabulary)},
                                          {"pruned_nodes", pruned.tree.size()},
                                          {"holds", options.sound ? "every state" : "states of the chain"},
@@ -51,7 +47,7 @@ Result<void> prune_command(const Options& options) {
   for (const Removal& removal : pruned.removals) {
     fmt::print("-{} {}: {}\n", removal.nodes, removal.what, removal.reason);
   }
-  fmt::print("{}, pruned to {}, the same action in every state{}:\n{}\n", counted(tree->size(), "node"),
+  fmt::print("{}, pruned to {}, the same action in every state{}:\n{}\n", counted(tree.size(), "node"),
              pruned.tree.size(), options.sound ? "" : " of the chain", to_text(pruned.tree, vocabulary));
   return {};
 }
@@ -61,8 +57,7 @@ Result<void> prune_command(const Options& options) {
 void add_prune(CLI::App& app, Invocation& invocation) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("prune", "Remove what changes no action, and say why for every node");
-  command->add_option("STUDY", options->study, "The study file")->required();
-  add_tree_option(*command, options->tree);
+  add_study_tree(*command, options->tree);
   command->add_flag("--sound", options->sound,
                     "Only what changes no action in any state, whether the chain has seen it or not");
   command->add_flag("--json", options->json, "Report as one JSON object");

@@ -12,7 +12,8 @@
 #include "coordinator/commands/evolve_options.hpp"
 #include "coordinator/commands/learn_options.hpp"
 #include "coordinator/commands/new_folder.hpp"
-#include "coordinator/commands/tree_option.hpp"
+#include "coordinator/commands/simulate_option.hpp"
+#include "coordinator/commands/study_tree.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/refine/refine_report.hpp"
 #include "coordinator/report/json_line.hpp"
@@ -22,9 +23,8 @@ namespace coppice {
 namespace {
 
 struct Options {
-  std::string study;
+  StudyTreeOption tree;
   std::string folder;
-  TreeOption tree;
   EvolveOptions evolution;
   EvaluatorOption evaluator;
   std::optional<std::uint64_t> seed;
@@ -61,29 +61,26 @@ Result<void> refine_command(const Options& options, const StopFlag& stop) {
   if (!evaluator) {
     return tl::unexpected(evaluator.error());
   }
-  const Result<Study> study = Study::open(options.study, Study::Access::read);
-  if (!study) {
-    return tl::unexpected(study.error());
+  const Result<StudyTree> given = open_study_tree(options.tree);
+  if (!given) {
+    return tl::unexpected(given.error());
   }
-  const Result<World> world = make_world(study->world().kind, study->world().room);
+  const auto& [study, tree] = *given;
+  const Result<World> world = world_of(study);
   if (!world) {
-    return in_context(options.study, world.error());
+    return tl::unexpected(world.error());
   }
-  const Vocabulary& vocabulary = study->chain().vocabulary();
+  const Vocabulary& vocabulary = study.chain().vocabulary();
   if (vocabulary != vocabulary_of(*world)) {
     return bad_input(fmt::format(
-        "{}: the chain's features and actions are not those of its world: nothing can be simulated", options.study));
+        "{}: the chain's features and actions are not those of its world: nothing can be simulated", study.path()));
   }
   const Result<EvolveConfig> config = evolve_config(options.evolution, options.seed, vocabulary);
   if (!config) {
     return tl::unexpected(config.error());
   }
-  const Result<Tree> tree = tree_of(options.tree, *study);
-  if (!tree) {
-    return tl::unexpected(tree.error());
-  }
   RefineSettings settings = options.settings;
-  settings.walks.steps = options.steps ? *options.steps : learned_steps(*study);
+  settings.walks.steps = options.steps ? *options.steps : learned_steps(study);
   settings.walks.seed = config->seed;
   settings.judged.steps = settings.walks.steps;
   if (const Result<void> checked = check_settings(settings); !checked) {
@@ -117,7 +114,7 @@ Result<void> refine_command(const Options& options, const StopFlag& stop) {
                   : tl::unexpected(report.error());
   };
   hooks.round_done = [&](const RefineRound& round) { rounds.push_back(round); };
-  const Result<void> refined = refine(*study, *world, *tree, *config, settings, *folder, hooks);
+  const Result<void> refined = refine(study, *world, tree, *config, settings, *folder, hooks);
   shown.ended();
 
   std::error_code ignored;
@@ -143,12 +140,11 @@ void add_refine(CLI::App& app, Invocation& invocation) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
       "refine", "Walk the best tree in the simulator, count what it meets into the chain, evolve on, and again");
-  command->add_option("STUDY", options->study, "The study file; it is only read")->required();
+  add_study_tree(*command, options->tree);
   command
       ->add_option("-o,--output", options->folder,
                    "The folder to make, with a study for each round (default: coppice-refine-<UTC time>)")
       ->type_name("FOLDER");
-  add_tree_option(*command, options->tree);
   command->add_option("--rounds", options->settings.rounds, "Rounds of walking and evolving")
       ->type_name("R")
       ->check(whole_number())

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <filesystem>
 #include <fmt/format.h>
@@ -13,10 +14,12 @@
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/evaluator_option.hpp"
 #include "coordinator/commands/learn_options.hpp"
+#include "coordinator/commands/simulate_option.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/dispatch/serial_evaluator.hpp"
 #include "coordinator/report/counted.hpp"
-#include "coordinator/report/plot.hpp"
+#include "coordinator/report/gnuplot.hpp"
+#include "coordinator/report/interval_plot.hpp"
 #include "coordinator/report/progress.hpp"
 #include "coordinator/report/whole_file.hpp"
 #include "coordinator/study/study.hpp"
@@ -68,7 +71,7 @@ Result<void> write_reports(const std::filesystem::path& folder, const SweepPlan&
 }
 
 Result<void> sweep_command(const Options& options, const StopFlag& stop) {
-  const Result<EvaluatorChoice> choice = evaluator_choice(options.evaluator);
+  Result<EvaluatorChoice> choice = evaluator_choice(options.evaluator);
   if (!choice) {
     return tl::unexpected(choice.error());
   }
@@ -85,12 +88,14 @@ Result<void> sweep_command(const Options& options, const StopFlag& stop) {
   }
   std::optional<World> world;
   if (plan->episodes > 0) {
-    auto made = make_world(study->world().kind, study->world().room);
+    auto made = world_of(*study);
     if (!made) {
-      return in_context(options.study, made.error());
+      return tl::unexpected(made.error());
     }
     world = std::move(*made);
   }
+  std::atomic<bool> taken_back{false};
+  choice->taken_back = [&taken_back] { taken_back = true; };
   const auto chain = std::make_shared<const Chain>(study->chain());
   const bool serial = choice->kind == EvaluatorChoice::Kind::serial;
   std::unique_ptr<EvaluatorPool> pool;
@@ -166,8 +171,10 @@ Result<void> sweep_command(const Options& options, const StopFlag& stop) {
                (folder / "runs.csv").string(), (folder / "sweep.svg").string());
   }
   if (!swept) {
-    return tl::unexpected(
-        Error{swept.error().kind, fmt::format("{}; go on with the same command and --resume", swept.error().message)});
+    const char* const next = taken_back
+                                 ? "runs that have ended may rest on that: begin the sweep again in another folder"
+                                 : "go on with the same command and --resume";
+    return tl::unexpected(Error{swept.error().kind, fmt::format("{}; {}", swept.error().message, next)});
   }
   return {};
 }

@@ -5,8 +5,8 @@
 
 #include "common/tree/text.hpp"
 #include "coordinator/commands/commands.hpp"
-#include "coordinator/commands/learn_options.hpp"
-#include "coordinator/commands/tree_option.hpp"
+#include "coordinator/commands/simulate_option.hpp"
+#include "coordinator/commands/study_tree.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/report/counted.hpp"
 #include "coordinator/report/json_line.hpp"
@@ -18,15 +18,12 @@ namespace coppice {
 namespace {
 
 struct Options {
-  std::string study;
-  TreeOption tree;
+  StudyTreeOption tree;
   std::vector<std::string> rules;
   std::string rule_file;
   std::vector<std::string> events;
-  std::optional<std::uint32_t> steps;
+  SimulateOption simulate;  // its steps and seed are those of the chain too
   std::uint32_t resamples = VerifySettings{}.resamples;
-  std::uint64_t seed = VerifySettings{}.seed;
-  std::uint64_t episodes = SimulateSettings{}.episodes;
   bool json = false;
 };
 
@@ -64,66 +61,45 @@ Result<std::vector<Event>> events_of(const Options& options, const Study& study)
   return events;
 }
 
-// Nothing where the study has no world to simulate, or no episodes are asked for.
-Result<std::optional<Simulated>> simulated(const Options& options, const Study& study, const Tree& tree,
-                                           std::uint32_t steps, const StopFlag& stop) {
-  if (options.episodes == 0 || study.world().kind == kNoWorld) {
-    return std::optional<Simulated>();
-  }
-  const Result<World> world = make_world(study.world().kind, study.world().room);
-  if (!world) {
-    return in_context(options.study, world.error());
-  }
-  const SimulateSettings settings{.episodes = options.episodes, .steps = steps, .seed = options.seed};
-  if (const Result<void> checked = check_score_settings(settings); !checked) {
-    return tl::unexpected(checked.error());
-  }
-  const auto records = simulate_tree(*world, study.chain(), tree, settings, [&] { return !stop.raised(); });
-  if (records.size() < settings.episodes) {
-    return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
-  }
-  return std::optional<Simulated>(sum_up(records));
-}
-
 Result<void> verify_command(const Options& options, const StopFlag& stop) {
-  const Result<Study> study = Study::open(options.study, Study::Access::read);
-  if (!study) {
-    return tl::unexpected(study.error());
+  const Result<StudyTree> given = open_study_tree(options.tree);
+  if (!given) {
+    return tl::unexpected(given.error());
   }
-  const Result<Tree> tree = tree_of(options.tree, *study);
-  if (!tree) {
-    return tl::unexpected(tree.error());
-  }
-  const Chain& chain = study->chain();
+  const auto& [study, tree] = *given;
+  const Chain& chain = study.chain();
   const Result<std::vector<Rule>> rules = rules_of(options, chain.vocabulary());
   if (!rules) {
     return tl::unexpected(rules.error());
   }
-  const Result<std::vector<Event>> events = events_of(options, *study);
+  const Result<std::vector<Event>> events = events_of(options, study);
   if (!events) {
     return tl::unexpected(events.error());
   }
-  const VerifySettings settings{.steps = options.steps ? *options.steps : learned_steps(*study),
-                                .resamples = options.resamples,
-                                .seed = options.seed};
+  const SimulateSettings simulate = settings_of(options.simulate, study);
+  const VerifySettings settings{.steps = simulate.steps, .resamples = options.resamples, .seed = options.simulate.seed};
   if (const Result<void> checked = check_settings(settings); !checked) {
     return checked;
   }
   std::vector<CheckedRule> answers;
   for (const Rule& rule : *rules) {
-    Result<CheckedRule> answer = check_on(rule, *tree, chain);
+    Result<CheckedRule> answer = check_on(rule, tree, chain);
     if (!answer) {
       return tl::unexpected(std::move(answer).error());
     }
     answers.push_back(std::move(*answer));
   }
-  const Result<std::optional<Simulated>> beside = simulated(options, *study, *tree, settings.steps, stop);
-  if (!beside) {
-    return tl::unexpected(beside.error());
+  std::optional<Simulated> beside;
+  if (options.simulate.episodes > 0) {
+    const auto episodes = simulated(study, tree, simulate, stop);
+    if (!episodes) {
+      return tl::unexpected(episodes.error());
+    }
+    beside = *episodes ? std::optional(sum_up(**episodes)) : std::nullopt;
   }
   Progress progress(stderr, progress_settings_for(stderr), "verify", "draws", settings.resamples);
   const Result<Verification> verification =
-      verify(chain, *tree, *events, rewards_of_world(study->world().kind), settings, [&](std::uint32_t done) {
+      verify(chain, tree, *events, rewards_of_world(study.world().kind), settings, [&](std::uint32_t done) {
         progress.update(done);
         return !stop.raised();
       });
@@ -131,14 +107,14 @@ Result<void> verify_command(const Options& options, const StopFlag& stop) {
     return tl::unexpected(verification.error());
   }
   std::size_t broken = 0;
-  nlohmann::ordered_json json = {{"tree", to_text(*tree, chain.vocabulary())}};
-  json.update(to_json(*verification, *beside));
+  nlohmann::ordered_json json = {{"tree", to_text(tree, chain.vocabulary())}};
+  json.update(to_json(*verification, beside));
   json["rules"] = nlohmann::ordered_json::array();
-  std::string text = to_text(*verification, *beside);
+  std::string text = to_text(*verification, beside);
   for (const CheckedRule& answer : answers) {
     broken += answer.answer.holds() ? 0U : 1U;
-    json["rules"].push_back(to_json(answer, *tree, chain));
-    text += '\n' + to_text(answer, *tree, chain);
+    json["rules"].push_back(to_json(answer, tree, chain));
+    text += '\n' + to_text(answer, tree, chain);
   }
   fmt::print("{}", options.json ? json_line(json) + '\n' : text);
   if (broken > 0) {
@@ -153,8 +129,7 @@ void add_verify(CLI::App& app, Invocation& invocation) {
   const auto options = std::make_shared<Options>();
   CLI::App* command =
       app.add_subcommand("verify", "What a tree promises: exact figures with intervals, and rules proved");
-  command->add_option("STUDY", options->study, "The study file")->required();
-  add_tree_option(*command, options->tree);
+  add_study_tree(*command, options->tree);
   command->add_option("--rule", options->rules, "Prove this for every possible observation; may be repeated")
       ->type_name("RULE")
       ->allow_extra_args(false);
@@ -164,21 +139,16 @@ void add_verify(CLI::App& app, Invocation& invocation) {
                    "What to count, instead of the world's own events: a test of a pair's mean reward; may be repeated")
       ->type_name("NAME:reward<=NUMBER")
       ->allow_extra_args(false);
-  command->add_option("--steps", options->steps, "Steps per episode (default: as in learning)")->check(whole_number());
   command->add_option("--resamples", options->resamples, "Draws from the counts' posterior behind an interval")
       ->check(whole_number())
       ->capture_default_str();
-  command->add_option("--episodes", options->episodes, "Episodes in the simulator, shown beside; 0: none")
-      ->check(whole_number())
-      ->capture_default_str();
-  command->add_option("--seed", options->seed, "Of the draws and the simulator")
-      ->check(whole_number())
-      ->capture_default_str();
+  add_simulate_option(
+      *command, options->simulate,
+      {.episodes = "Episodes in the simulator, shown beside; 0: none", .seed = "Of the draws and the simulator"});
   command->add_flag("--json", options->json, "Report as one JSON object");
   command->footer(
-      "A rule is 'never ACTION when CONDITION' or 'always ACTION when CONDITION'; 'or' joins actions, 'and' and 'or' "
-      "join\n"
-      "tests (s3=0, s3!=0, x<=4), 'none' is no action. Ends with 1 when a rule is broken.\n"
+      "A rule is 'never ACTION when CONDITION' or 'always ACTION when CONDITION'; 'or' joins actions, 'and' and\n"
+      "'or' join tests (s3=0, s3!=0, x<=4), 'none' is no action. Ends with 1 when a rule is broken.\n"
       "Examples:\n"
       "  coppice verify uav.coppice --rule 'never move when s3=0'\n"
       "  coppice verify uav.coppice --tree best.tree --rules safety.rules --json\n"

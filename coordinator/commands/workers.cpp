@@ -109,7 +109,7 @@ Result<void> workers_command(const Options& options, const StopFlag& stop) {
       std::this_thread::sleep_for(kStopLook);
     }
   }
-  return options.watch ? Result<void>{} : tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+  return options.watch ? Result<void>{} : Result<void>(interrupted());
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 namespace coppice {
 
 std::vector<std::uint32_t> CrossCheck::sample(WorkerId worker, std::uint32_t count) {
+  last_sample_.clear();
   if (share_ <= 0.0 || count == 0) {
     return {};
   }
@@ -23,8 +24,18 @@ std::vector<std::uint32_t> CrossCheck::sample(WorkerId worker, std::uint32_t cou
       record.due -= 1.0;
     }
   }
-  record.checked += chosen.size();
-  return {chosen.begin(), chosen.end()};
+  last_sample_.assign(chosen.begin(), chosen.end());
+  return last_sample_;
+}
+
+bool CrossCheck::was_sampled(std::uint32_t individual) const {
+  return std::binary_search(last_sample_.begin(), last_sample_.end(), individual);
+}
+
+void CrossCheck::begin_again() {
+  for (auto& [worker, record] : records_) {
+    record.unchecked = 0;
+  }
 }
 
 Result<std::vector<Tally>> CrossCheck::evaluate(std::span<const Tree> trees, const Job& job) {

@@ -14,6 +14,7 @@
 #include <random>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "common/chain/chain.hpp"
 #include "common/error.hpp"
@@ -35,27 +36,32 @@ class CrossCheck {
   // Which of the `count` individuals of an answer are to be evaluated again, in ascending order. Chosen at random: the
   // results do not depend on it, and a liar cannot know.
   std::vector<std::uint32_t> sample(WorkerId worker, std::uint32_t count);
+  // Whether that individual of the answer that was last sampled was in the sample.
+  bool was_sampled(std::uint32_t individual) const;
 
   // The true tallies. Errors: interrupted.
   Result<std::vector<Tally>> evaluate(std::span<const Tree> trees, const Job& job);
 
-  // Individuals whose tallies counted, of a worker; of them, checked.
-  struct Record {
-    std::uint32_t answers = 0;
-    std::uint64_t taken = 0;
-    std::uint64_t checked = 0;
-    double due = 0.0;  // individuals to check, not yet a whole one
-  };
-  void took(WorkerId worker, std::uint32_t individuals) { records_[worker].taken += individuals; }
-  const Record& record(WorkerId worker) { return records_[worker]; }
+  // Individuals that counted as the worker said, without a look.
+  void took_unchecked(WorkerId worker, std::uint32_t individuals) { records_[worker].unchecked += individuals; }
+  std::uint64_t unchecked(WorkerId worker) { return records_[worker].unchecked; }
+  // Nothing that was taken counts any more.
+  void begin_again();
 
  private:
+  struct Record {
+    std::uint32_t answers = 0;
+    std::uint64_t unchecked = 0;
+    double due = 0.0;  // individuals to check, not yet a whole one
+  };
+
   std::shared_ptr<const Chain> chain_;
   double share_;
   const StopFlag& stop_;
   std::mt19937_64 random_;
   std::unique_ptr<Evaluator> reference_;
   std::map<WorkerId, Record> records_;
+  std::vector<std::uint32_t> last_sample_;
 };
 
 }  // namespace coppice

@@ -28,6 +28,7 @@ Result<RemoteOptions> remote_options(const EvaluatorChoice& choice) {
   options.domain = choice.domain;
   options.wait_limit = choice.wait_limit;
   options.cross_check = choice.cross_check;
+  options.taken_back = choice.taken_back;
   if (choice.kind == EvaluatorChoice::Kind::remote) {
     options.domain = choice.domain.value_or(kDefaultRemoteDomain);
     options.interface = choice.interface;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,6 +33,7 @@ struct EvaluatorChoice {
   bool lossy = false;                    // remote: small packets, quick repair
   double cross_check = 0.0;              // share of all individuals that is evaluated here again
   std::chrono::seconds wait_limit{600};  // without any worker for this long, evaluation fails
+  std::function<void()> taken_back;      // RemoteOptions
 };
 
 // For those who work long before they open: finds out what open_evaluator() would refuse about the choice itself.

@@ -186,9 +186,16 @@ Result<void> RemoteDispatch::await_workers(std::size_t count) {
 
 Result<void> RemoteDispatch::act() {
   if (stop_.raised()) {
-    return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+    return interrupted();
   }
   listen();
+  if (taken_back_) {
+    cross_check_.begin_again();
+    if (options_.taken_back) {
+      options_.taken_back();
+    }
+    return tl::unexpected(*std::exchange(taken_back_, std::nullopt));
+  }
   const auto now = Clock::now();
   if (auto ok = tend(now); !ok) {
     return ok;
@@ -320,10 +327,14 @@ void RemoteDispatch::settle(const wire::Answer& answer) {
   }
   last_settled_ = now;
   request.add_repeated(std::min(answer.repeated, out->batch.count));
+  std::uint32_t unchecked = 0;
   for (const std::uint32_t slot : settlement.fresh) {
-    request.settle(portion.first + slot, std::move((*tallies)[slot - out->batch.first]), from);
+    const std::uint32_t individual = slot - out->batch.first;
+    const bool checked = cross_check_.was_sampled(individual);
+    request.settle(portion.first + slot, std::move((*tallies)[individual]), checked ? WorkerId{} : from);
+    unchecked += checked ? 0 : 1;
   }
-  cross_check_.took(from, static_cast<std::uint32_t>(settlement.fresh.size()));
+  cross_check_.took_unchecked(from, unchecked);
   if (RemoteWorker* worker = fleet_.find(from); worker != nullptr) {
     // No longer than it was away, whatever it says.
     const auto away = static_cast<std::uint64_t>(std::chrono::nanoseconds(last_settled_ - out->sent).count());
@@ -356,7 +367,8 @@ bool RemoteDispatch::agrees(WorkerId from, const std::vector<Tally>& tallies, co
   return true;
 }
 
-// A worker answered wrongly: nothing that it said in the requests that are open counts.
+// A worker answered wrongly: nothing that it said counts any more, unless it was checked. In the requests that are open
+// it is evaluated again here, earlier ones are taken back.
 void RemoteDispatch::quarantine(WorkerId from) {
   std::size_t again = 0;
   for (auto& [id, open] : open_) {
@@ -376,14 +388,19 @@ void RemoteDispatch::quarantine(WorkerId from) {
     again += places.size();
   }
   const std::uint64_t earlier =
-      cross_check_.record(from).taken - std::min<std::uint64_t>(again, cross_check_.record(from).taken);
+      cross_check_.unchecked(from) - std::min<std::uint64_t>(again, cross_check_.unchecked(from));
   const RemoteWorker* const worker = fleet_.find(from);
+  const std::string said =
+      fmt::format("worker {} answered wrongly and is quarantined",
+                  worker != nullptr ? worker->name() : fmt::format("{:016x}", static_cast<std::uint64_t>(from)));
   spdlog::error(
-      "worker {} answered wrongly and is quarantined: {} of its individuals in this generation were evaluated again; "
-      "{} "
-      "in earlier ones were taken as it said{}",
-      worker != nullptr ? worker->name() : fmt::format("{:016x}", static_cast<std::uint64_t>(from)), again, earlier,
-      earlier > 0 ? ": the run may differ from a serial one, begin it again without that worker" : "");
+      "{}: {} of its individuals in this generation were evaluated again; {} in earlier ones had counted as it "
+      "said",
+      said, again, earlier);
+  if (earlier > 0) {
+    taken_back_ =
+        Error{ErrorKind::failed, fmt::format("{}, after {} of its individuals had counted as it said", said, earlier)};
+  }
   ++statistics_.quarantined;
   fleet_.ban(from, "is quarantined");
 }

@@ -39,6 +39,9 @@ struct RemoteOptions {
   std::chrono::milliseconds wait_limit{600'000};  // without any worker for this long, evaluation fails
   double cross_check = 0.0;                       // share of all individuals, see CrossCheck
   InFlightLimits limits;
+  // Called on the dispatching thread when an evaluation is about to fail because earlier ones returned what a worker
+  // said that is now found to lie, and nobody had checked. It is gone: who built on that may begin again. May be empty.
+  std::function<void()> taken_back;
   // Called on the dispatching thread after each batch went out, with the process that got it. May be empty.
   std::function<void(pid_t)> batch_sent;
 };
@@ -67,8 +70,8 @@ class RemoteDispatch {
   // Ends all requests.
   void abandon();
 
-  // Takes in what happened and does what follows from it. Errors (interrupted, no worker within the limit) leave the
-  // requests open.
+  // Takes in what happened and does what follows from it. Errors (interrupted, no worker within the limit, what was
+  // taken from a worker earlier is taken back) leave the requests open.
   Result<void> act();
   // Until something happens, wake() is called, or it is time to look.
   void sleep();
@@ -131,6 +134,7 @@ class RemoteDispatch {
   RemoteFleet fleet_;
   Meanings meanings_;
   CrossCheck cross_check_;
+  std::optional<Error> taken_back_;
   std::vector<Objective> checked_objectives_;
 
   std::map<RequestId, Open> open_;

@@ -11,7 +11,6 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kMostPerTake = 1024;
-constexpr std::size_t kCredit = 2;  // batches out at a worker: as many as dispatch allows one with one lane
 constexpr std::chrono::milliseconds kMostSleep{100};
 
 }  // namespace
@@ -47,7 +46,7 @@ Result<std::unique_ptr<RemoteEcho>> RemoteEcho::open(const std::filesystem::path
 
 Result<void> RemoteEcho::sleep(Clock::time_point limit) {
   if (stop_.raised()) {
-    return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+    return interrupted();
   }
   if (Clock::now() > limit) {
     return failed(fmt::format("the bare transport stood still for {} s", kPatience.count()));
@@ -91,8 +90,17 @@ Result<void> RemoteEcho::await_peers(std::size_t count) {
   return {};
 }
 
+RemoteEcho::Traffic RemoteEcho::chain_traffic(std::uint64_t bytes) {
+  constexpr std::size_t kAnswerBytes = 16;
+  return {.batches = (bytes + wire::kBlockBytes - 1) / wire::kBlockBytes,
+          .task_bytes = std::min<std::size_t>(wire::kBlockBytes, bytes),
+          .answer_bytes = kAnswerBytes,
+          .ahead = wire::kBlockWindow};
+}
+
 Result<void> RemoteEcho::exchange(const Traffic& traffic) {
-  COPPICE_CHECK(traffic.task_bytes <= wire::kMaxTaskPayload && traffic.answer_bytes <= wire::kMaxTaskPayload);
+  COPPICE_CHECK(traffic.task_bytes <= wire::kMaxTaskPayload && traffic.answer_bytes <= wire::kMaxTaskPayload &&
+                traffic.ahead <= wire::kTaskDepth);
   ByteWriter asked;
   asked.put(static_cast<std::uint32_t>(traffic.answer_bytes));
   std::vector<std::uint8_t> payload = asked.take();
@@ -102,7 +110,7 @@ Result<void> RemoteEcho::exchange(const Traffic& traffic) {
   std::size_t answered = 0;
   while (answered < traffic.batches) {
     // One for everybody before a second one for anybody.
-    for (std::size_t credit = 1; credit <= kCredit; ++credit) {
+    for (std::size_t credit = 1; credit <= traffic.ahead; ++credit) {
       for (Peer& peer : peers_) {
         if (sent == traffic.batches || peer.out >= credit) {
           continue;

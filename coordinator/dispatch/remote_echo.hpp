@@ -34,9 +34,12 @@ class RemoteEcho {
     std::size_t batches = 0;
     std::size_t task_bytes = 0;    // each
     std::size_t answer_bytes = 0;  // each
+    std::size_t ahead = 2;         // out at a worker
   };
-  // Sends the batches in turn to all workers, two at a time to each, and returns when all are answered. Errors: as
-  // open(). REQUIRES: both sizes within the contract's bounds.
+  // What a chain of so many bytes is sent as: its blocks, as many ahead as a worker asks for, hardly an answer.
+  static Traffic chain_traffic(std::uint64_t bytes);
+  // Sends the batches in turn to all workers, `ahead` at a time to each, and returns when all are answered. Errors: as
+  // open(). REQUIRES: both sizes within the contract's bounds, ahead at most wire::kTaskDepth.
   Result<void> exchange(const Traffic& traffic);
 
  private:

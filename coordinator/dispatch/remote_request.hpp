@@ -35,6 +35,7 @@ class RemoteRequest {
   std::vector<std::uint8_t> task(std::uint32_t first, std::uint32_t count) const;
   // Whether these can be the tallies of what was sent from `first` on.
   bool fits(std::span<const Tally> tallies, std::uint32_t first) const;
+  // `by`: who is believed; WorkerId{} when nobody need be.
   void settle(std::uint32_t place, Tally&& tally, WorkerId by) {
     tallies_[place] = std::move(tally);
     settled_by_[place] = by;

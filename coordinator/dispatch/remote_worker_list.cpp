@@ -73,7 +73,7 @@ Result<bool> listen(const wire::Participant& participant, Clock::time_point end,
   bool enough = false;
   while (!enough && Clock::now() < end) {
     if (stop.raised()) {
-      return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+      return interrupted();
     }
     reader->take(kMostPerTake, [&](const Sample& sample, const dds_sample_info_t& info) {
       enough = on_sample(sample, info) || enough;

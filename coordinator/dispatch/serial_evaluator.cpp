@@ -29,7 +29,7 @@ Result<std::vector<Tally>> SerialEvaluator::evaluate(std::span<const Tree> trees
   const std::size_t most = std::size_t{4} * evaluation_->trees_per_pass();
   while (tallies.size() < trees.size()) {
     if (stop_.raised()) {
-      return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+      return interrupted();
     }
     const std::size_t count = std::min(most, trees.size() - tallies.size());
     auto some = evaluation_->evaluate(trees.subspan(tallies.size(), count));

@@ -6,6 +6,7 @@
 
 #include "common/check.hpp"
 #include "coordinator/evolution/breeding.hpp"
+#include "coordinator/evolution/evaluated.hpp"
 #include "coordinator/evolution/front_search.hpp"
 #include "coordinator/evolution/population.hpp"
 #include "coordinator/evolution/scalar_fitness.hpp"
@@ -15,37 +16,6 @@ namespace coppice {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-// Individuals that are asked for together and what came back.
-struct Evaluated {
-  std::vector<Tree> trees;
-  std::vector<Tally> tallies;
-  std::vector<double> fitness;
-  std::size_t best = 0;  // index
-
-  Champion champion(std::uint32_t generation) const {
-    return {trees[best], generation, fitness[best], agreement_of(tallies[best])};
-  }
-};
-
-GenerationRecord statistics_of(const Evaluated& population, std::uint32_t generation) {
-  GenerationRecord record{.generation = generation, .best = population.champion(generation)};
-  std::size_t measured = 0;
-  for (std::size_t slot = 0; slot < population.trees.size(); ++slot) {
-    record.mean_nodes += static_cast<double>(population.trees[slot].size());
-    if (population.tallies[slot].steps > 0) {
-      ++measured;
-      record.mean_fitness += population.fitness[slot];
-      record.mean_agreement += agreement_of(population.tallies[slot]);
-    }
-  }
-  record.mean_nodes /= static_cast<double>(population.trees.size());
-  record.mean_fitness /= static_cast<double>(std::max<std::size_t>(measured, 1));
-  record.mean_agreement /= static_cast<double>(std::max<std::size_t>(measured, 1));
-  record.distinct_trees = static_cast<std::uint32_t>(count_distinct(population.trees));
-  record.evaluations = population.trees.size();
-  return record;
-}
 
 class Evolution {
  public:
@@ -77,7 +47,7 @@ class Evolution {
  private:
   Result<void> run_generation(std::uint32_t generation) {
     const Clock::time_point begin = Clock::now();
-    auto population = evaluate(breed(generation), generation);
+    auto population = evaluate(breed(generation), generation, config_, fitness_, evaluator_);
     if (!population) {
       return tl::unexpected(population.error());
     }
@@ -98,31 +68,19 @@ class Evolution {
     return next_population(breeding_, {reached_.population, reached_.fitness}, config_.ga, config_.seed, generation);
   }
 
-  Result<Evaluated> evaluate(std::vector<Tree> trees, std::uint32_t generation) {
-    auto tallies = evaluator_.evaluate(trees, job_of(config_, fitness_.objectives(), generation));
-    if (!tallies) {
-      return tl::unexpected(tallies.error());
-    }
-    COPPICE_CHECK(tallies->size() == trees.size());
-    Evaluated result{std::move(trees), std::move(*tallies), {}};
-    std::transform(result.tallies.begin(), result.tallies.end(), std::back_inserter(result.fitness),
-                   [&](const Tally& tally) { return fitness_.of(tally); });
-    result.best = ranking(result.trees, result.fitness).front();
-    return result;
-  }
-
   // All champions on one sample that none of them was chosen by.
   Result<Evolved> best_of_all() {
     std::vector<Tree> trees;
     for (const Champion& champion : reached_.hall_of_fame) {
       trees.push_back(champion.tree);
     }
-    const auto champions = evaluate(std::move(trees), kFinalGeneration);
+    const auto champions = evaluate(std::move(trees), kFinalGeneration, config_, fitness_, evaluator_);
     if (!champions) {
       return best_so_far(champions.error());
     }
-    const std::uint32_t first_led = reached_.hall_of_fame[champions->best].generation;
-    return Evolved{champions->champion(first_led), champions->tallies[champions->best].steps, done_, false};
+    const std::size_t best = champions->best();
+    const std::uint32_t first_led = reached_.hall_of_fame[best].generation;
+    return Evolved{champions->champion(best, first_led), champions->tallies[best].steps, done_, false};
   }
 
   // After an interruption: what there is. Any other error goes to the caller.

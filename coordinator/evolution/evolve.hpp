@@ -71,6 +71,7 @@ struct Evolved {
   std::uint64_t final_steps = 0;       // steps on which best.fitness and best.agreement were measured in the end
   std::uint32_t generations_done = 0;  // those before a checkpoint included
   bool interrupted = false;            // best is the highest fitness recorded in its generation; final_steps is 0
+  bool pick_fits = true;               // search front: false where best is of the highest fitness, for want of another
   Front front = {};                    // search front: the trees that none other beats in every measure
   bool operator==(const Evolved&) const = default;
 };

@@ -4,12 +4,17 @@
 // 1998).
 //
 //   parents    half by rank and crowding (NSGA-II), half by a sum of the costs under weights drawn for each child
-//   (MOGLS) children   crossover and mutation, or, a share of them, edits of good trees: of the front in the last part
+//              (MOGLS)
+//
+//   children   crossover and mutation, or, a share of them, edits of good trees: of the front in the last part
+//
 //   no two     individuals of a generation mean the same on the chain, unless the later one is smaller
+//
 //   next       the best of parents and children by rank and crowding
+//
 //   restarts   the generations are parts of equal length that begin anew, each from trees of its own; the last one
-//   begins
-//              with what all have kept, so that no early luck decides the run
+//              begins with what all have kept, so that no early luck decides the run
+//
 //   archive    every tree of at most front.max_nodes nodes that no other dominates, thinned where it is crowded
 //
 // We differ from NSGA-II: with five measures nearly all individuals are of rank 0, so rank alone selects little; the

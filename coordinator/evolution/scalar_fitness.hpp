@@ -3,10 +3,10 @@
 //   fitness = sum over objectives of weight x normalised score  +  size_weight x size term     [dimensionless]
 //
 // A normalised score is 1 for the best that the objective's table allows: score / (best_per_step x steps) along walks,
-// score / best over states; where nothing scores above 0 it is the objective's mean value instead (at best 0). The size
-// Costs (regret, collisions, unknown) count against it: their score / worst is taken off. The size
-// term (thesis VI-E.3) is 0 until agreement along the walk exceeds size_threshold, then min(1, size_nodes / nodes).
-// Immutable; the same tally gives the same bits everywhere.
+// score / best over states; where nothing scores above 0 it is the objective's mean value instead (at best 0). Costs
+// (regret, collisions, unknown) count against it: their score / worst is taken off. The size term (thesis VI-E.3) is 0
+// until agreement along the walk exceeds size_threshold, then min(1, size_nodes / nodes). Immutable; the same tally
+// gives the same bits everywhere.
 #pragma once
 
 #include <span>
@@ -28,8 +28,8 @@ class ScalarFitness {
   // means.
   static constexpr double kNone = -1e300;
 
-  // Errors: as objectives_of() and make_score_table().
   // `also` is asked for beside the objectives of weight above 0, and changes no fitness.
+  // Errors: as objectives_of() and make_score_table().
   static Result<ScalarFitness> make(const Chain& chain, const FitnessConfig& fitness,
                                     std::span<const Measure> also = {});
 

@@ -45,14 +45,14 @@ class Observations {
 
 // Controller: (code) -> the action that it takes, or kNoAction.
 template <typename Simulator, typename Controller>
-std::vector<EpisodeRecord> run_episodes(Simulator simulator, const Observations<Simulator>& observations,
-                                        const SimulateSettings& settings, const SimulateProgress& go_on,
-                                        const SimulateWatch& watch, const Controller& controller) {
+Result<std::vector<EpisodeRecord>> run_episodes(Simulator simulator, const Observations<Simulator>& observations,
+                                                const SimulateSettings& settings, const SimulateProgress& go_on,
+                                                const SimulateWatch& watch, const Controller& controller) {
   std::vector<EpisodeRecord> records;
   records.reserve(settings.episodes);
   for (std::uint64_t episode = 0; episode < settings.episodes; ++episode) {
     if (go_on && !go_on()) {
-      break;
+      return interrupted();
     }
     const std::uint64_t number = settings.first_episode + episode;
     Stream random(settings.seed, Purpose::simulating, static_cast<std::uint32_t>(number >> 32U),
@@ -89,9 +89,9 @@ std::vector<EpisodeRecord> run_episodes(Simulator simulator, const Observations<
 
 // tree: nullptr for the policy itself.
 template <typename Simulator>
-std::vector<EpisodeRecord> simulate_in(const Simulator& simulator, const Chain& chain, const Tree* tree,
-                                       const SimulateSettings& settings, const SimulateProgress& go_on,
-                                       const SimulateWatch& watch) {
+Result<std::vector<EpisodeRecord>> simulate_in(const Simulator& simulator, const Chain& chain, const Tree* tree,
+                                               const SimulateSettings& settings, const SimulateProgress& go_on,
+                                               const SimulateWatch& watch) {
   const Observations<Simulator> observations(chain);
   if (tree != nullptr) {
     COPPICE_CHECK(check_tree(*tree, chain.vocabulary()).has_value());
@@ -102,9 +102,9 @@ std::vector<EpisodeRecord> simulate_in(const Simulator& simulator, const Chain& 
                       [&](std::uint32_t code) { return observations.policy(code).value_or(kActionWhenUnknown); });
 }
 
-std::vector<EpisodeRecord> simulate(const World& world, const Chain& chain, const Tree* tree,
-                                    const SimulateSettings& settings, const SimulateProgress& go_on,
-                                    const SimulateWatch& watch) {
+Result<std::vector<EpisodeRecord>> simulate(const World& world, const Chain& chain, const Tree* tree,
+                                            const SimulateSettings& settings, const SimulateProgress& go_on,
+                                            const SimulateWatch& watch) {
   if (world.kind == WorldKind::windy) {
     return simulate_in(WindyGrid(), chain, tree, settings, go_on, watch);
   }
@@ -115,14 +115,14 @@ std::vector<EpisodeRecord> simulate(const World& world, const Chain& chain, cons
 
 }  // namespace
 
-std::vector<EpisodeRecord> simulate_tree(const World& world, const Chain& chain, const Tree& tree,
-                                         const SimulateSettings& settings, const SimulateProgress& go_on,
-                                         const SimulateWatch& watch) {
+Result<std::vector<EpisodeRecord>> simulate_tree(const World& world, const Chain& chain, const Tree& tree,
+                                                 const SimulateSettings& settings, const SimulateProgress& go_on,
+                                                 const SimulateWatch& watch) {
   return simulate(world, chain, &tree, settings, go_on, watch);
 }
 
-std::vector<EpisodeRecord> simulate_policy(const World& world, const Chain& chain, const SimulateSettings& settings,
-                                           const SimulateProgress& go_on) {
+Result<std::vector<EpisodeRecord>> simulate_policy(const World& world, const Chain& chain,
+                                                   const SimulateSettings& settings, const SimulateProgress& go_on) {
   return simulate(world, chain, nullptr, settings, go_on, {});
 }
 

@@ -45,15 +45,16 @@ using SimulateWatch = std::function<void(const SimulatedStep&)>;
 
 // Runs the tree, ticked on the true observation each step; with no action the agent holds still for the step (no
 // reward). Every episode has its own stream of random numbers, f(seed, episode), so two controllers meet the same luck
-// as far as their walks agree. Fewer records than episodes: `go_on` said to stop. REQUIRES: chain's vocabulary is the
-// world's, check_tree(tree, vocabulary).
-std::vector<EpisodeRecord> simulate_tree(const World& world, const Chain& chain, const Tree& tree,
-                                         const SimulateSettings& settings, const SimulateProgress& go_on = {},
-                                         const SimulateWatch& watch = {});
+// as far as their walks agree. [episodes] Errors: interrupted, when `go_on` said to stop. REQUIRES: chain's vocabulary
+// is the world's, check_tree(tree, vocabulary).
+Result<std::vector<EpisodeRecord>> simulate_tree(const World& world, const Chain& chain, const Tree& tree,
+                                                 const SimulateSettings& settings, const SimulateProgress& go_on = {},
+                                                 const SimulateWatch& watch = {});
 
 // Runs the learned policy itself; in a state that the chain does not know it takes action 0 (what greedy on an
 // empty row of Q gives).
-std::vector<EpisodeRecord> simulate_policy(const World& world, const Chain& chain, const SimulateSettings& settings,
-                                           const SimulateProgress& go_on = {});
+Result<std::vector<EpisodeRecord>> simulate_policy(const World& world, const Chain& chain,
+                                                   const SimulateSettings& settings,
+                                                   const SimulateProgress& go_on = {});
 
 }  // namespace coppice

@@ -15,8 +15,6 @@
 namespace coppice {
 namespace {
 
-Error interrupted() { return {ErrorKind::interrupted, "interrupted"}; }
-
 // The trees of the last front that this tree is on; none where it is on no front.
 Result<std::vector<Tree>> front_around(const Study& study, const Tree& tree) {
   const auto runs = study.runs();
@@ -114,8 +112,8 @@ class Refinement {
     Experience experience(from.chain());
     const auto episodes = simulate_tree(world_, from.chain(), tree, walks, hooks_.go_on,
                                         [&](const SimulatedStep& step) { experience.add(step); });
-    if (episodes.size() < walks.episodes) {
-      return tl::unexpected(interrupted());
+    if (!episodes) {
+      return tl::unexpected(episodes.error());
     }
     auto extended = experience.extended();
     if (!extended) {
@@ -142,7 +140,7 @@ class Refinement {
     RefineRound ended{.round = round, .seed = config.seed, .gains = gains};
     if (answer->interrupted) {
       describe(*study, ended);
-      return tl::unexpected(interrupted());
+      return interrupted();
     }
     if (auto ok = report(*study, tree, std::move(ended)); !ok) {
       return tl::unexpected(ok.error());

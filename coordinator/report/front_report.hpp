@@ -1,5 +1,4 @@
-// A front of trees for people and programs: a table, JSON, and a drawing of two of its measures. Pure functions of the
-// front; the drawing needs no other program.
+// A front of trees for people and programs: a table and JSON. Pure functions of the front.
 #pragma once
 
 #include <cstddef>
@@ -14,6 +13,9 @@
 
 namespace coppice {
 
+// Whether it lies in [0, 1] and is shown in percent.
+bool is_share(Measure measure);
+
 // One value as people read it: shares in percent, the others with the digits that tell.
 std::string measure_text(Measure measure, double value);
 
@@ -22,17 +24,5 @@ std::string to_text(const Front& front, std::optional<std::size_t> picked);
 
 // A list of objects on one line: number, fitness, each measure, tree.
 std::string to_json(const Front& front, const Vocabulary& vocabulary, std::optional<std::size_t> picked);
-
-struct FrontAxes {
-  Measure across{};
-  Measure up{};
-};
-
-// "coverage,return". Errors: not two measures, or one that the front does not have.
-Result<FrontAxes> axes_from(std::string_view text, const Front& front);
-
-// SVG: a dot a tree, the smaller the lighter, with its nodes as a title; those that nothing beats in these two measures
-// are joined. REQUIRES: front.members not empty, axes of its measures.
-std::string front_svg(const Front& front, const FrontAxes& axes, std::optional<std::size_t> picked);
 
 }  // namespace coppice

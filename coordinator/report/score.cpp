@@ -8,9 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "common/chain/exact.hpp"
 #include "common/check.hpp"
-#include "common/tree/action_table.hpp"
 #include "common/tree/simplify.hpp"
 #include "common/tree/state_columns.hpp"
 #include "common/tree/text.hpp"
@@ -24,17 +22,6 @@ namespace {
 constexpr double kNormal95 = 1.96;            // the 97.5 % quantile of the standard normal distribution
 constexpr std::uint64_t kFewestEpisodes = 2;  // one has no standard deviation
 constexpr std::uint64_t kMostEpisodes = 100'000'000;
-
-// Counts the states in which the tree (null: the policy itself) does what the policy does.
-void count_matches(const Chain& chain, const Tree* tree, const StateColumns& columns, std::uint64_t seen_visits,
-                   ControllerScore& controller) {
-  const std::vector<ActionId> table = tree == nullptr ? chain.parts().policy : action_table(*tree, columns);
-  for (std::size_t state = 0; state < table.size(); ++state) {
-    const std::size_t matches = table[state] == chain.policy(state) ? 1U : 0U;
-    controller.matching_states += matches;
-    controller.matching_seen += chain.parts().visits[state] >= seen_visits ? matches : 0U;
-  }
-}
 
 std::string percent(double part) { return fmt::format("{:.1f} %", 100.0 * part); }
 
@@ -190,45 +177,26 @@ Result<Score> score_tree(const World& world, const Chain& chain, const Tree& tre
   const std::array<std::pair<ControllerScore*, const Tree*>, 3> controllers = {
       {{&score.policy, nullptr}, {&score.tree, &tree}, {&score.pruned, &pruned.tree}}};
   for (const auto& [controller, followed] : controllers) {
-    const std::vector<EpisodeRecord> episodes = followed == nullptr
-                                                    ? simulate_policy(world, chain, settings, go_on)
-                                                    : simulate_tree(world, chain, *followed, settings, go_on);
-    if (episodes.size() < settings.episodes) {
-      return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+    const auto episodes = followed == nullptr ? simulate_policy(world, chain, settings, go_on)
+                                              : simulate_tree(world, chain, *followed, settings, go_on);
+    if (!episodes) {
+      return tl::unexpected(episodes.error());
     }
-    *controller = controller_score(episodes);
-    count_matches(chain, followed, columns, seen_visits, *controller);
+    const ChainActions actions = followed == nullptr ? actions_of_policy(chain) : actions_of(chain, *followed);
+    *controller = controller_score(*episodes);
+    controller->matching_states = matching_states(chain, actions);
+    controller->matching_seen = matching_states(chain, actions, seen_visits);
   }
   return score;
 }
 
 void add_exact(const Chain& chain, const Tree& tree, Score& score) {
-  const StateColumns columns(chain.vocabulary(), chain.parts().features);
-  const auto none = static_cast<std::uint8_t>(chain.actions());
-  std::vector<std::uint8_t> of_policy;
-  for (const ActionId action : chain.parts().policy) {
-    of_policy.push_back(static_cast<std::uint8_t>(action));
-  }
-  std::vector<std::uint8_t> of_tree(chain.states());
-  fill_action_table(tree, columns, none, of_tree);
-  ExactOccupancy exact(chain);
-  const auto expected = [&](const std::vector<std::uint8_t>& actions) {
-    ExpectedScore result;
-    const Occupancy& occupancy =
-        exact.over_steps({.actions = actions, .others = {}, .others_share = 0.0}, score.settings.steps);
-    for (std::size_t i = 0; i < occupancy.states.size(); ++i) {
-      const std::size_t state = occupancy.states[i];
-      const double visits = occupancy.visits[i];
-      result.agreement += actions[state] == of_policy[state] ? visits : 0.0;
-      result.reward +=
-          actions[state] == none ? 0.0 : visits * chain.mean_reward(chain.row(state, ActionId{actions[state]}));
-    }
-    result.agreement /= static_cast<double>(score.settings.steps);
-    return result;
+  const auto expected = [&](const ChainActions& actions) {
+    return expected_score(chain, actions, score.settings.steps);
   };
   // Pruning on the chain keeps the action table, so the pruned tree is the tree here.
-  const ExpectedScore tree_score = expected(of_tree);
-  score.expected = ExpectedScores{.policy = expected(of_policy), .tree = tree_score, .pruned = tree_score};
+  const ExpectedScore of_tree = expected(actions_of(chain, tree));
+  score.expected = ExpectedScores{.policy = expected(actions_of_policy(chain)), .tree = of_tree, .pruned = of_tree};
 }
 
 std::string to_text(const Score& score) {

@@ -16,6 +16,7 @@
 #include "common/tree/tree.hpp"
 #include "coordinator/learning/simulate.hpp"
 #include "coordinator/learning/world.hpp"
+#include "coordinator/report/on_chain.hpp"
 
 namespace coppice {
 
@@ -42,12 +43,7 @@ struct ControllerScore {
   std::uint64_t unknown_steps = 0;  // in states that the chain does not know
 };
 
-// Along the chain, computed instead of sampled (common/chain/exact.hpp).
-struct ExpectedScore {
-  double agreement = 0.0;  // share of the steps, in [0, 1]
-  double reward = 0.0;     // per episode: the sum of the mean rewards recorded for each (state, action)
-};
-
+// Along the chain, computed instead of sampled.
 struct ExpectedScores {
   ExpectedScore policy;
   ExpectedScore tree;

@@ -70,7 +70,7 @@ Result<GridLearned> learn_grid(Algorithm algorithm, std::uint64_t seed) {
     return tl::unexpected(std::move(learned).error());
   }
   const EpisodeRecord walked =
-      simulate_policy(world, learned->chain, {.episodes = 1, .steps = settings.steps, .seed = 1}).front();
+      simulate_policy(world, learned->chain, {.episodes = 1, .steps = settings.steps, .seed = 1})->front();
   const bool arrives = !greedy_way(learned->chain).empty();
   return GridLearned{std::move(*learned), arrives, walked.steps, walked.reward};
 }

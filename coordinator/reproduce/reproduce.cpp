@@ -29,8 +29,6 @@ const Experiment kGrid{"Figure 4-4a",
                        {"ga.generations=150", "rollout.rollouts=1", "rollout.steps=15", "rollout.final_rollouts=1",
                         "fitness.size_nodes=9"}};
 
-Error interrupted() { return {ErrorKind::interrupted, "interrupted"}; }
-
 std::string json_of(const LearnSettings& settings, const std::string& world) {
   return json_line({{"world", world},
                     {"algorithm", name_of(settings.algorithm)},
@@ -129,21 +127,17 @@ class Reproduction {
     }
     const SimulateSettings simulate{.episodes = settings_.score_episodes, .steps = learning.steps, .seed = 1};
     const auto of_policy = simulate_policy(*world, chain, simulate, [&] { return !stop_.raised(); });
-    if (of_policy.size() < simulate.episodes) {
-      return tl::unexpected(interrupted());
-    }
-    std::vector<std::uint8_t> policy;
-    for (const ActionId action : chain.parts().policy) {
-      policy.push_back(static_cast<std::uint8_t>(action));
+    if (!of_policy) {
+      return tl::unexpected(of_policy.error());
     }
     RoomRun run{.chain = chain,
                 .world = *world,
                 .study = (folder_ / kRoomStudy).string(),
-                .policy = controller_score(of_policy),
+                .policy = controller_score(*of_policy),
                 .policy_q = 0.0,
                 .simulate = simulate,
                 .episodes = learning.episodes};
-    run.policy_q = accumulated_q(chain, policy, run.q_steps);
+    run.policy_q = accumulated_q(chain, actions_of_policy(chain), run.q_steps);
     return room_tables(run, bench(*world, *study, **evaluator, simulate));
   }
 
@@ -233,7 +227,7 @@ class Reproduction {
         return tl::unexpected(std::move(one).error());
       }
       if (stop_.raised()) {
-        return tl::unexpected(interrupted());
+        return interrupted();
       }
       all.push_back(std::move(*one));
       step_done();

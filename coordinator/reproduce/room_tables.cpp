@@ -303,8 +303,8 @@ Comparison table_five_eight(const RoomRun& run, const std::vector<Trial>& trials
                    .remarks = {}};
   const SimulateSettings ten{
       .episodes = printed::kFiveEightReward.size(), .steps = run.simulate.steps, .seed = run.simulate.seed};
-  const auto of_best = simulate_tree(run.world, run.chain, best.tree, ten);
-  const auto of_worst = simulate_tree(run.world, run.chain, worst.tree, ten);
+  const auto of_best = simulate_tree(run.world, run.chain, best.tree, ten).value();
+  const auto of_worst = simulate_tree(run.world, run.chain, worst.tree, ten).value();
   for (std::size_t i = 0; i < printed::kFiveEightReward.size(); ++i) {
     Row row{fmt::format("run {}", i + 1), strings({printed::kFiveEightReward[i], printed::kFiveEightSuccess[i]}), {}};
     for (const EpisodeRecord* record : {&of_best[i], &of_worst[i]}) {

@@ -17,8 +17,6 @@
 namespace coppice {
 namespace {
 
-Error interrupted() { return {ErrorKind::interrupted, "interrupted"}; }
-
 Result<EvolveConfig> config_of(const Experiment& experiment, std::uint64_t seed, const Vocabulary& vocabulary) {
   EvolveConfig config;
   for (const std::string& setting : experiment.settings) {
@@ -45,12 +43,12 @@ Result<Evolved> evolve_and_keep(const EvolveConfig& config, const std::string& l
       return saved;
     }
     bench.progress(label, record.generation + 1);
-    return bench.stop.raised() ? Result<void>(tl::unexpected(interrupted())) : Result<void>();
+    return bench.stop.raised() ? Result<void>(interrupted()) : Result<void>();
   };
   Result<Evolved> evolved = evolve(bench.study.chain(), config, bench.evaluator, std::nullopt, hooks);
   RunOutcome outcome;
   if (!evolved || evolved->interrupted) {
-    const Error error = evolved ? interrupted() : evolved.error();
+    const Error error = evolved ? interrupted().value() : evolved.error();
     outcome.status = error.kind == ErrorKind::interrupted ? RunStatus::interrupted : RunStatus::failed;
     outcome.json = json_line({{"error", error.message}});
     static_cast<void>(bench.study.finish_run(*run, outcome));  // the first error is the one to tell
@@ -106,18 +104,15 @@ Result<Trial> run_trial(const Experiment& experiment, std::uint64_t seed, const 
               .best_generation = evolved->best.generation,
               .accumulated_q = 0.0,
               .score = {}};
-  std::vector<std::uint8_t> actions(chain.states());
-  fill_action_table(trial.tree, columns, static_cast<std::uint8_t>(chain.actions()), actions);
+  const ChainActions actions = actions_of(chain, trial.tree);
   trial.accumulated_q = accumulated_q(chain, actions, config->rollout.steps);
   const auto episodes =
       simulate_tree(bench.world, chain, trial.tree, bench.simulate, [&] { return !bench.stop.raised(); });
-  if (episodes.size() < bench.simulate.episodes) {
-    return tl::unexpected(interrupted());
+  if (!episodes) {
+    return tl::unexpected(episodes.error());
   }
-  trial.score = controller_score(episodes);
-  for (std::size_t state = 0; state < chain.states(); ++state) {
-    trial.score.matching_states += actions[state] == index_of(chain.policy(state)) ? 1U : 0U;
-  }
+  trial.score = controller_score(*episodes);
+  trial.score.matching_states = matching_states(chain, actions);
   return trial;
 }
 

@@ -113,6 +113,10 @@ class Study {
   // Error, also of finish_run(): the path leads to another file by now, or to none.
   Result<void> save_generation(RunId run, const GenerationRecord& record, const Checkpoint& checkpoint);
 
+  // Back to a checkpoint of this run, or before the first generation: what came after is forgotten, in one
+  // transaction. REQUIRES: as save_generation().
+  Result<void> rewind_run(RunId run, const std::optional<Checkpoint>& to);
+
   Result<void> finish_run(RunId run, const RunOutcome& outcome);
 
   // Replaces the run's front, in one transaction.

@@ -148,39 +148,6 @@ class Rows {
     return std::optional(std::move(checkpoint));
   }
 
-  Result<Front> front(RunId run) {
-    SQLite::Statement select(database_,
-                             "SELECT position, tree, fitness, measures FROM fronts WHERE run = ? ORDER BY position");
-    select.bind(1, number(run));
-    Front front;
-    while (select.executeStep()) {
-      const auto row = [&](const std::string& what) {
-        return damage(fmt::format("{}, front, position {}: {}", label(run), front.members.size(), what));
-      };
-      auto tree = parse_tree(select.getColumn(1).getString(), vocabulary_);
-      if (!tree || select.getColumn(0).getUInt() != front.members.size()) {
-        return row(tree ? "missing" : tree.error().message);
-      }
-      FrontMember member{std::move(*tree), select.getColumn(2).getDouble(), {}};
-      std::vector<Measure> measures;
-      const auto json = nlohmann::ordered_json::parse(select.getColumn(3).getString(), nullptr, false);
-      for (const auto& [name, value] : json.items()) {
-        const auto measure = measure_named(name);
-        if (!measure || !value.is_number()) {
-          return row(measure ? fmt::format("{} is no number", name) : measure.error().message);
-        }
-        measures.push_back(*measure);
-        member.values.push_back(value.get<double>());
-      }
-      if (!json.is_object() || (!front.members.empty() && measures != front.measures)) {
-        return row("its measures are not those of the first");
-      }
-      front.measures = std::move(measures);
-      front.members.push_back(std::move(member));
-    }
-    return front;
-  }
-
  private:
   tl::unexpected<Error> damage(const std::string& what) const { return tl::unexpected(damaged(path_, what)); }
 
@@ -249,6 +216,20 @@ Result<void> check_free(const std::string& path, const OwnedRun& run, bool take_
                   path, name, run.owner.pid, run.owner.host));
 }
 
+void replace_checkpoint(SQLite::Database& database, RunId run, const Checkpoint& checkpoint,
+                        const Vocabulary& vocabulary) {
+  const std::string population = population_text({checkpoint.population, checkpoint.fitness}, vocabulary);
+  const std::string archive =
+      population_text({checkpoint.archive, std::vector<double>(checkpoint.archive.size(), 0.0)}, vocabulary);
+  SQLite::Statement replace(database, "INSERT OR REPLACE INTO checkpoints VALUES(?, ?, ?, ?, ?)");
+  replace.bind(1, number(run));
+  replace.bind(2, checkpoint.generation);
+  replace.bind(3, population);
+  replace.bind(4, archive);
+  replace.bind(5, hash_hex(population + archive));
+  replace.exec();
+}
+
 }  // namespace
 
 std::string_view name_of(RunStatus status) { return kStatusNames.at(static_cast<std::size_t>(status)); }
@@ -298,9 +279,6 @@ Result<ResumedRun> Study::resume_run(RunId run, bool take_over) {
 Result<void> Study::save_generation(RunId run, const GenerationRecord& record, const Checkpoint& checkpoint) {
   COPPICE_CHECK(record.generation == checkpoint.generation);
   const Vocabulary& vocabulary = chain().vocabulary();
-  const std::string population = population_text({checkpoint.population, checkpoint.fitness}, vocabulary);
-  const std::string archive =
-      population_text({checkpoint.archive, std::vector<double>(checkpoint.archive.size(), 0.0)}, vocabulary);
   return guarded(state_->path, [&]() -> Result<void> {
     SQLite::Transaction transaction(state_->database, SQLite::TransactionBehavior::IMMEDIATE);
     SQLite::Statement row(state_->database, "INSERT INTO generations VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
@@ -317,13 +295,26 @@ Result<void> Study::save_generation(RunId run, const GenerationRecord& record, c
     row.bind(11, static_cast<std::int64_t>(record.evaluations));
     row.bind(12, record.seconds);
     row.exec();
-    SQLite::Statement replace(state_->database, "INSERT OR REPLACE INTO checkpoints VALUES(?, ?, ?, ?, ?)");
-    replace.bind(1, number(run));
-    replace.bind(2, checkpoint.generation);
-    replace.bind(3, population);
-    replace.bind(4, archive);
-    replace.bind(5, hash_hex(population + archive));
-    replace.exec();
+    replace_checkpoint(state_->database, run, checkpoint, vocabulary);
+    transaction.commit();
+    return state_->check_in_place();
+  });
+}
+
+Result<void> Study::rewind_run(RunId run, const std::optional<Checkpoint>& to) {
+  return guarded(state_->path, [&]() -> Result<void> {
+    SQLite::Transaction transaction(state_->database, SQLite::TransactionBehavior::IMMEDIATE);
+    SQLite::Statement forget(state_->database, "DELETE FROM generations WHERE run = ? AND generation >= ?");
+    forget.bind(1, number(run));
+    forget.bind(2, to ? to->generation + 1 : 0);
+    forget.exec();
+    if (to) {
+      replace_checkpoint(state_->database, run, *to, chain().vocabulary());
+    } else {
+      SQLite::Statement remove(state_->database, "DELETE FROM checkpoints WHERE run = ?");
+      remove.bind(1, number(run));
+      remove.exec();
+    }
     transaction.commit();
     return state_->check_in_place();
   });
@@ -342,32 +333,6 @@ Result<void> Study::finish_run(RunId run, const RunOutcome& outcome) {
     update.bind(4, outcome.json);
     update.bind(5, number(run));
     COPPICE_CHECK(update.exec() == 1);
-    return state_->check_in_place();
-  });
-}
-
-Result<void> Study::save_front(RunId run, const Front& front) {
-  return guarded(state_->path, [&]() -> Result<void> {
-    SQLite::Transaction transaction(state_->database, SQLite::TransactionBehavior::IMMEDIATE);
-    SQLite::Statement remove(state_->database, "DELETE FROM fronts WHERE run = ?");
-    remove.bind(1, number(run));
-    remove.exec();
-    for (std::size_t position = 0; position < front.members.size(); ++position) {
-      const FrontMember& member = front.members[position];
-      COPPICE_CHECK(member.values.size() == front.measures.size());
-      nlohmann::ordered_json measures = nlohmann::ordered_json::object();
-      for (std::size_t m = 0; m < front.measures.size(); ++m) {
-        measures[std::string(name_of(front.measures[m]))] = member.values[m];
-      }
-      SQLite::Statement insert(state_->database, "INSERT INTO fronts VALUES(?, ?, ?, ?, ?)");
-      insert.bind(1, number(run));
-      insert.bind(2, static_cast<std::int64_t>(position));
-      insert.bind(3, to_text(member.tree, chain().vocabulary()));
-      insert.bind(4, member.fitness);
-      insert.bind(5, measures.dump());
-      insert.exec();
-    }
-    transaction.commit();
     return state_->check_in_place();
   });
 }
@@ -411,10 +376,6 @@ Result<std::vector<GenerationRecord>> Study::generations(RunId run) const {
 Result<std::optional<Checkpoint>> Study::load_checkpoint(RunId run) const {
   return guarded(state_->path,
                  [&] { return Rows(state_->path, chain().vocabulary(), state_->database).checkpoint(run); });
-}
-
-Result<Front> Study::front(RunId run) const {
-  return guarded(state_->path, [&] { return Rows(state_->path, chain().vocabulary(), state_->database).front(run); });
 }
 
 Result<Tree> Study::best_tree(RunId id) const {

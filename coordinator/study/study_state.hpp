@@ -1,4 +1,4 @@
-// What an open Study owns. Private to study.cpp and study_runs.cpp.
+// What an open Study owns. Private to study*.cpp.
 #pragma once
 
 #include <SQLiteCpp/SQLiteCpp.h>

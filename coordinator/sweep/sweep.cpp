@@ -5,6 +5,7 @@
 #include <chrono>
 #include <mutex>
 #include <thread>
+#include <unordered_set>
 
 #include "common/check.hpp"
 #include "common/fitness/meaning.hpp"
@@ -20,12 +21,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 std::size_t count_meanings(Meanings& meanings, std::span<const Tree> trees) {
-  const std::vector<std::uint32_t> firsts = meanings.firsts(trees);
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < firsts.size(); ++i) {
-    count += firsts[i] == i ? 1 : 0;
+  std::unordered_set<Meaning, MeaningHash> found;
+  for (const Tree& tree : trees) {
+    found.insert(meanings.of(tree));
   }
-  return count;
+  return found.size();
 }
 
 class Sweep {
@@ -103,7 +103,7 @@ class Sweep {
       result.distinct += static_cast<double>(record.distinct_trees) / individuals;
       result.meanings += static_cast<double>(count_meanings(meanings, checkpoint.population)) / individuals;
       if (stop_.raised() || ended()) {
-        return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+        return interrupted();
       }
       if (hooks_.generation_done) {
         const std::lock_guard lock(hooks_mutex_);
@@ -116,7 +116,7 @@ class Sweep {
       return tl::unexpected(evolved.error());
     }
     if (evolved->interrupted) {
-      return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+      return interrupted();
     }
     result.distinct /= evolved->generations_done;
     result.meanings /= evolved->generations_done;
@@ -124,29 +124,20 @@ class Sweep {
     result.agreement = evolved->best.agreement;
     result.tree = simplify(evolved->best.tree, chain_.vocabulary(), columns_).tree;
     result.nodes = result.tree.size();
-    result.coverage = coverage_of(result.tree);
+    result.coverage = static_cast<double>(matching_states(chain_, actions_of(chain_, result.tree))) /
+                      static_cast<double>(chain_.states());
     if (world_ != nullptr) {
       const auto episodes =
           simulate_tree(*world_, chain_, result.tree, {.episodes = settings_.episodes, .steps = settings_.steps},
                         [&] { return !stop_.raised() && !ended(); });
-      if (episodes.size() < settings_.episodes) {
-        return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+      if (!episodes) {
+        return tl::unexpected(episodes.error());
       }
-      const ControllerScore score = controller_score(episodes);
+      const ControllerScore score = controller_score(*episodes);
       result.simulated = SweepResult::Simulated{score.agreement.mean, score.reward.mean, score.collisions.mean};
     }
     result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
     return result;
-  }
-
-  double coverage_of(const Tree& tree) const {
-    const std::vector<ActionId> actions = action_table(tree, columns_);
-    const std::vector<ActionId>& policy = chain_.parts().policy;
-    std::size_t matches = 0;
-    for (std::size_t state = 0; state < actions.size(); ++state) {
-      matches += actions[state] == policy[state] ? 1 : 0;
-    }
-    return static_cast<double>(matches) / static_cast<double>(actions.size());
   }
 
   const Chain& chain_;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/tree/vocabulary.hpp"
-#include "coordinator/report/plot.hpp"
+#include "coordinator/report/interval_plot.hpp"
 #include "coordinator/sweep/plan.hpp"
 #include "coordinator/sweep/sweep.hpp"
 

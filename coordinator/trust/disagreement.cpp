@@ -8,9 +8,8 @@
 
 #include "common/chain/exact.hpp"
 #include "common/check.hpp"
-#include "common/tree/action_table.hpp"
-#include "common/tree/state_columns.hpp"
 #include "coordinator/learning/world.hpp"
+#include "coordinator/report/on_chain.hpp"
 #include "coordinator/trust/jumps.hpp"
 
 namespace coppice {
@@ -201,13 +200,8 @@ Result<void> check_settings(const ExplainSettings& settings) {
 
 Explanation explain(const Chain& chain, const Tree& tree, const ExplainSettings& settings) {
   const std::size_t actions = chain.actions();
-  std::vector<std::uint8_t> of_tree(chain.states());
-  fill_action_table(tree, StateColumns(chain.vocabulary(), chain.parts().features), static_cast<std::uint8_t>(actions),
-                    of_tree);
-  std::vector<std::uint8_t> of_policy;
-  for (const ActionId action : chain.parts().policy) {
-    of_policy.push_back(static_cast<std::uint8_t>(action));
-  }
+  ChainActions of_tree = actions_of(chain, tree);
+  const ChainActions of_policy = actions_of_policy(chain);
   const std::vector<double> weights = weights_of(chain, of_tree, of_policy, settings);
   const std::vector<Jump> jumps = jumps_of(tree);
 

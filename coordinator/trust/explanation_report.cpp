@@ -44,8 +44,8 @@ std::string visits_text(Weighting weighting) {
 Json json_of(const TreeFigures& figures) {
   return {{"nodes", figures.nodes},
           {"agreement_over_states", figures.coverage()},
-          {"agreement_along_chain", figures.agreement},
-          {"reward_along_chain", figures.reward}};
+          {"agreement_along_chain", figures.along_chain.agreement},
+          {"reward_along_chain", figures.along_chain.reward}};
 }
 
 }  // namespace

@@ -17,17 +17,16 @@ struct TreeFigures {
   std::size_t nodes = 0;
   std::size_t states = 0;           // of the chain
   std::size_t matching_states = 0;  // where the tree does what the policy does
-  double agreement = 0.0;           // share of an episode's steps along the chain, expected
-  double reward = 0.0;              // per episode along the chain, expected
-  std::optional<ControllerScore> simulated;
+  ExpectedScore along_chain;
+  std::optional<ControllerScore> simulated = {};
 
   double coverage() const { return static_cast<double>(matching_states) / static_cast<double>(states); }
 };
 
 // Along the chain over `steps` steps (common/chain/exact.hpp). REQUIRES: check_tree() for the chain's vocabulary.
 TreeFigures figures_of(const Chain& chain, const Tree& tree, std::uint32_t steps);
-// The same for whatever takes these actions. [states], the number of actions standing for none.
-TreeFigures figures_of(const Chain& chain, const std::vector<std::uint8_t>& actions, std::uint32_t steps);
+// The same for whatever takes these actions.
+TreeFigures figures_of(const Chain& chain, const ChainActions& actions, std::uint32_t steps);
 
 // A line for each figure, a column for each tree. REQUIRES: as many titles as figures.
 std::string side_by_side(const std::vector<std::string>& titles, const std::vector<TreeFigures>& figures);

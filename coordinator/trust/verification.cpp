@@ -9,9 +9,8 @@
 #include "common/chain/count_posterior.hpp"
 #include "common/chain/exact.hpp"
 #include "common/chain/exact_events.hpp"
-#include "common/tree/action_table.hpp"
-#include "common/tree/state_columns.hpp"
 #include "coordinator/learning/world.hpp"
+#include "coordinator/report/on_chain.hpp"
 
 namespace coppice {
 namespace {
@@ -37,9 +36,7 @@ class Model {
  public:
   Model(const Chain& chain, const Tree& tree, std::uint32_t steps)
       : chain_(chain), steps_(steps), solvable_(chain.states() <= kMaxSolvedStates), exact_(chain), events_(chain) {
-    actions_.resize(chain.states());
-    fill_action_table(tree, StateColumns(chain.vocabulary(), chain.parts().features),
-                      static_cast<std::uint8_t>(chain.actions()), actions_);
+    actions_ = actions_of(chain, tree);
     probabilities_.resize(chain.transitions());
     events_.begin(acting());
     reached_ = events_.states().size();
@@ -213,7 +210,7 @@ Result<Verification> verify(const Chain& chain, const Tree& tree, const std::vec
   std::vector<Answers> draws;
   for (std::uint32_t i = 0; i < settings.resamples; ++i) {
     if (go_on && !go_on(i)) {
-      return tl::unexpected(Error{ErrorKind::interrupted, "interrupted"});
+      return interrupted();
     }
     posterior.draw(rows, model.probabilities());
     for (const std::size_t row : rows) {

@@ -19,10 +19,12 @@ said=$(systemd-analyze verify "$folder/coppice-worker@3.service" 2>&1 | grep "co
 # What ExecStart says, in a domain of the test's own and with this machine as coordinator.
 . <(sed 's/=\(.*\)/="\1"/' "$folder/worker.conf")
 COPPICE_COORDINATOR=127.0.0.1
+CACHE_DIRECTORY=$folder/cache
 line=$(sed -n 's/^ExecStart=//p' "$folder/coppice-worker@.service")
 line=${line//%i/206}
 eval "exec $line" 2> "$folder/log" & worker=$!
 "$bin/coppice" learn -o "$folder/study.coppice" --episodes 200 > /dev/null 2>&1
 "$bin/coppice" evolve "$folder/study.coppice" --remote --domain 206 --wait 60 --set ga.generations=10 > /dev/null 2>&1
 grep -q "serving the coordinator" "$folder/log"
+ls "$folder"/cache/*.chain > /dev/null
 echo "the unit is valid and its command serves"

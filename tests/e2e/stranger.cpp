@@ -4,8 +4,9 @@
 //   stranger DOMAIN knock   says that it is a worker and answers batches that it was never given, for 3 s; prints how
 //                           many samples it heard
 //   stranger DOMAIN rule    tries to write what only a coordinator may write; prints what it was allowed
+//   stranger DOMAIN usurp IDENTITY RULES PORT     plays the coordinator (usurp.hpp)
 // It goes to the coordinator on this machine, or on COPPICE_STRANGER_HOST. A third argument is the folder of an
-// identity under DDS Security.
+// identity under DDS Security; - is none.
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -16,6 +17,7 @@
 #include "common/wire/configuration.hpp"
 #include "common/wire/topics.hpp"
 #include "common/wire/waiter.hpp"
+#include "tests/e2e/usurp.hpp"
 #include "worker/serve.hpp"
 
 namespace {
@@ -202,13 +204,17 @@ int serve_next_version(std::uint32_t domain) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3 && argc != 4) {
-    return fail("usage: stranger DOMAIN noise|next|knock|rule [IDENTITY]");
+  const std::string_view mode(argc > 2 ? argv[2] : "");
+  if (mode == "usurp" ? argc != 6 : argc != 3 && argc != 4) {
+    return fail(
+        "usage: stranger DOMAIN noise|next|knock|rule [IDENTITY], or stranger DOMAIN usurp IDENTITY RULES PORT");
   }
   const auto domain = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10));
   wire::Network network;
-  network.security = argc == 4 ? argv[3] : "";
-  const std::string_view mode(argv[2]);
+  network.security = argc > 3 && std::string_view(argv[3]) != "-" ? argv[3] : "";
+  if (mode == "usurp") {
+    return e2e::usurp({domain, network, argv[4], argv[5]});
+  }
   if (mode == "noise") {
     return make_noise(domain, network);
   }

@@ -236,8 +236,8 @@ TEST(Meanings, AreToldApartByActionTables) {
   const auto wrapped = Tree::from_nodes(
       {Node::composite(NodeKind::selector, 3), Node::composite(NodeKind::sequence, 2), Node::action(ActionId{1})});
   Meanings meanings(*chain);
-  const std::vector<Tree> trees = {Tree(ActionId{1}), Tree(ActionId{0}), *wrapped, Tree(ActionId{0})};
-  EXPECT_EQ(meanings.firsts(trees), (std::vector<std::uint32_t>{0, 1, 0, 1}));
+  EXPECT_EQ(meanings.of(*wrapped), meanings.of(Tree(ActionId{1})));
+  EXPECT_NE(meanings.of(*wrapped), meanings.of(Tree(ActionId{0})));
 }
 
 TEST(Evaluation, WithoutAnActionHoldsTheStateAndNeverAgrees) {

@@ -47,7 +47,7 @@ TEST(Workload, IsTheSameEveryTime) {
 std::vector<WorkloadScaling> some_scaling() {
   WorkloadScaling light{"light", 100, 5, 100, {1e-3, 1e-3, 1e-3}, {}};
   ScalingRow two;
-  two.workers = 2;
+  two.team = {2};
   two.seconds = {0.8e-3, 0.8e-3, 0.8e-3};
   two.speed_up = {1.25, 1.25, 1.25};
   two.overhead = {0.3e-3, 0.3e-3, 0.3e-3};
@@ -56,9 +56,15 @@ std::vector<WorkloadScaling> some_scaling() {
 }
 
 TEST(Scaling, BreaksEvenWhereWhatIsSavedIsTheOverhead) {
-  EXPECT_DOUBLE_EQ(worthwhile_seconds(some_scaling(), 2, 2), 0.6e-3);
-  EXPECT_DOUBLE_EQ(worthwhile_seconds(some_scaling(), 2, 1), 0.0);  // one core: never
-  EXPECT_DOUBLE_EQ(worthwhile_seconds(some_scaling(), 4, 2), 0.0);  // not measured
+  EXPECT_DOUBLE_EQ(worthwhile_seconds(some_scaling(), {2}, 2), 0.6e-3);
+  EXPECT_DOUBLE_EQ(worthwhile_seconds(some_scaling(), {2}, 1), 0.0);  // one core: never
+  EXPECT_DOUBLE_EQ(worthwhile_seconds(some_scaling(), {4}, 2), 0.0);  // not measured
+}
+
+TEST(Team, IsNamedByItsWorkersAndTheirThreads) {
+  EXPECT_EQ((Team{2, 1}.name()), "2 workers");
+  EXPECT_EQ((Team{1, 2}.name()), "1 worker x 2");
+  EXPECT_EQ((Team{2, 4}.lanes()), 8U);
 }
 
 TEST(Verdict, SaysFromWhichWorkloadOnWorkersPay) {

@@ -1,5 +1,6 @@
 #include "coordinator/dispatch/cross_check.hpp"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 
 #include "tests/oracles/chains.hpp"
@@ -37,6 +38,26 @@ TEST_F(CrossChecking, ChecksOneOfEachOfAWorkersFirstAnswers) {
   }
   EXPECT_TRUE(few.sample(kWorker, 10).empty());
   EXPECT_EQ(few.sample(WorkerId{8}, 10).size(), 1U) << "another worker is new";
+}
+
+TEST_F(CrossChecking, KnowsWhatItSampledLast) {
+  CrossCheck some = check(0.3);
+  const auto chosen = some.sample(kWorker, 10);
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    EXPECT_EQ(some.was_sampled(i), std::count(chosen.begin(), chosen.end(), i) == 1) << i;
+  }
+  EXPECT_TRUE(check(0.0).sample(kWorker, 10).empty());
+  EXPECT_FALSE(check(0.0).was_sampled(0));
+}
+
+TEST_F(CrossChecking, CountsWhatNobodyCheckedUntilEverythingBeginsAgain) {
+  CrossCheck some = check(0.3);
+  some.took_unchecked(kWorker, 3);
+  some.took_unchecked(kWorker, 4);
+  EXPECT_EQ(some.unchecked(kWorker), 7U);
+  EXPECT_EQ(some.unchecked(WorkerId{8}), 0U);
+  some.begin_again();
+  EXPECT_EQ(some.unchecked(kWorker), 0U);
 }
 
 TEST_F(CrossChecking, ChecksItsShareInTheLongRun) {

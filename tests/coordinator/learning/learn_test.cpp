@@ -247,7 +247,7 @@ TEST(Learn, ALearnedUavCollectsAndDoesNotCollide) {
   LearnSettings settings;
   settings.episodes = 10'000;
   const Learned result = learned(world, settings);
-  const auto records = simulate_policy(world, result.chain, {.episodes = 20, .steps = 150, .seed = 1});
+  const auto records = simulate_policy(world, result.chain, {.episodes = 20, .steps = 150, .seed = 1}).value();
   double reward = 0.0;
   std::uint32_t collisions = 0;
   for (const EpisodeRecord& record : records) {
@@ -262,7 +262,7 @@ TEST(Learn, QLearningConvergesToTheShortestWayOnTheWindyGrid) {
   const World world = load_world("windy").value();
   const Learned result = learned(world, default_settings(WorldKind::windy, Algorithm::q_learning));
   EXPECT_LT(result.largest_change, 1e-8);
-  const auto records = simulate_policy(world, result.chain, {.episodes = 1, .steps = 25, .seed = 1});
+  const auto records = simulate_policy(world, result.chain, {.episodes = 1, .steps = 25, .seed = 1}).value();
   ASSERT_GT(shortest_way(), 0U);
   EXPECT_EQ(records[0].steps, shortest_way());
   EXPECT_EQ(records[0].reward, 10.0 - static_cast<double>(shortest_way()));
@@ -274,7 +274,7 @@ TEST(Learn, SarsaFindsTheGoalOnTheWindyGrid) {
     LearnSettings settings = default_settings(WorldKind::windy, Algorithm::sarsa);
     settings.seed = seed;
     const Learned result = learned(world, settings);
-    const auto records = simulate_policy(world, result.chain, {.episodes = 1, .steps = 25, .seed = 1});
+    const auto records = simulate_policy(world, result.chain, {.episodes = 1, .steps = 25, .seed = 1}).value();
     EXPECT_LE(records[0].steps, shortest_way() + 2) << "seed " << seed;
     EXPECT_EQ(records[0].reward, 10.0 - static_cast<double>(records[0].steps)) << "seed " << seed;
   }

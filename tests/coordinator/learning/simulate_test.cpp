@@ -46,8 +46,8 @@ TEST(Simulate, ATreeThatSpellsThePolicyOutDoesWhatThePolicyDoes) {
     const Chain chain = learned_chain(world, 3000, 25);
     const Tree tree = spelled_out(chain);
     const SimulateSettings settings{.episodes = 30, .steps = 40, .seed = 5};
-    const auto by_policy = simulate_policy(world, chain, settings);
-    const auto by_tree = simulate_tree(world, chain, tree, settings);
+    const auto by_policy = simulate_policy(world, chain, settings).value();
+    const auto by_tree = simulate_tree(world, chain, tree, settings).value();
     ASSERT_EQ(by_policy.size(), 30U);
     ASSERT_EQ(by_tree.size(), 30U);
     for (std::size_t i = 0; i < by_policy.size(); ++i) {
@@ -61,8 +61,8 @@ TEST(Simulate, ATreeThatSpellsThePolicyOutDoesWhatThePolicyDoes) {
 TEST(Simulate, AnEpisodesLuckIsItsOwn) {
   const World world = testing::world(testing::small_room());
   const Chain chain = learned_chain(world, 500, 60);
-  const auto few = simulate_policy(world, chain, {.episodes = 5, .steps = 60, .seed = 3});
-  const auto many = simulate_policy(world, chain, {.episodes = 40, .steps = 60, .seed = 3});
+  const auto few = simulate_policy(world, chain, {.episodes = 5, .steps = 60, .seed = 3}).value();
+  const auto many = simulate_policy(world, chain, {.episodes = 40, .steps = 60, .seed = 3}).value();
   std::set<double> rewards;
   for (std::size_t i = 0; i < many.size(); ++i) {
     rewards.insert(many[i].reward);
@@ -71,7 +71,7 @@ TEST(Simulate, AnEpisodesLuckIsItsOwn) {
     }
   }
   EXPECT_GT(rewards.size(), 5U);
-  const auto other = simulate_policy(world, chain, {.episodes = 40, .steps = 60, .seed = 4});
+  const auto other = simulate_policy(world, chain, {.episodes = 40, .steps = 60, .seed = 4}).value();
   bool differs = false;
   for (std::size_t i = 0; i < many.size(); ++i) {
     differs = differs || !(other[i] == many[i]);
@@ -83,7 +83,8 @@ TEST(Simulate, WithoutAnActionTheAgentHoldsStill) {
   const World world = tiny_room();
   const Chain chain = learned_chain(world, 100, 25);
   const Tree tree = Tree::from_nodes({Node::condition(3, Op::equal, 3)}).value();
-  for (const EpisodeRecord& record : simulate_tree(world, chain, tree, {.episodes = 3, .steps = 12, .seed = 1})) {
+  const auto records = simulate_tree(world, chain, tree, {.episodes = 3, .steps = 12, .seed = 1}).value();
+  for (const EpisodeRecord& record : records) {
     EXPECT_EQ(record.steps, 12U);
     EXPECT_EQ(record.reward, 0.0);
     EXPECT_EQ(record.matches, 0U);
@@ -95,9 +96,10 @@ TEST(Simulate, WithoutAnActionTheAgentHoldsStill) {
 TEST(Simulate, AGoalEndsTheEpisodeAndAStepLimitToo) {
   const World world = load_world("windy").value();
   const Chain chain = learned_chain(world, 2000, 25);
-  EXPECT_EQ(simulate_policy(world, chain, {.episodes = 1, .steps = 1000, .seed = 1})[0].steps, 15U);
-  EXPECT_EQ(simulate_policy(world, chain, {.episodes = 1, .steps = 10, .seed = 1})[0].steps, 10U);
-  const auto always_up = simulate_tree(world, chain, Tree(ActionId{0}), {.episodes = 1, .steps = 30, .seed = 1});
+  EXPECT_EQ((*simulate_policy(world, chain, {.episodes = 1, .steps = 1000, .seed = 1}))[0].steps, 15U);
+  EXPECT_EQ((*simulate_policy(world, chain, {.episodes = 1, .steps = 10, .seed = 1}))[0].steps, 10U);
+  const auto always_up =
+      simulate_tree(world, chain, Tree(ActionId{0}), {.episodes = 1, .steps = 30, .seed = 1}).value();
   EXPECT_EQ(always_up[0].steps, 30U);
   EXPECT_EQ(always_up[0].reward, -30.0);
 }
@@ -105,10 +107,21 @@ TEST(Simulate, AGoalEndsTheEpisodeAndAStepLimitToo) {
 TEST(Simulate, CollisionsAndMatchesAreCountedStepByStep) {
   const World world = testing::world({"####", "#^.#", "#..#", "####"});
   const Chain chain = learned_chain(world, 200, 25);
-  const auto move = simulate_tree(world, chain, Tree(ActionId{0}), {.episodes = 2, .steps = 7, .seed = 1});
+  const auto move = simulate_tree(world, chain, Tree(ActionId{0}), {.episodes = 2, .steps = 7, .seed = 1}).value();
   EXPECT_EQ(move[1].collisions, 7U);
   EXPECT_EQ(move[1].reward, -70.0);
   EXPECT_EQ(move[1].matches, 0U) << "the policy does not move into a wall";
+}
+
+TEST(Simulate, StopsBetweenEpisodesWhenToldTo) {
+  const World world = testing::world(testing::small_room());
+  const Chain chain = learned_chain(world, 1, 3);
+  int asked = 0;
+  const auto records =
+      simulate_policy(world, chain, {.episodes = 9, .steps = 5, .seed = 1}, [&] { return ++asked < 4; });
+  ASSERT_FALSE(records);
+  EXPECT_EQ(records.error().kind, ErrorKind::interrupted);
+  EXPECT_EQ(asked, 4);
 }
 
 // Against a walk made here, step by step, in the same simulator with the same stream.
@@ -119,7 +132,7 @@ TEST(Simulate, StatesThatTheChainDoesNotKnowAreCountedAndNeverMatch) {
   for (std::size_t state = 0; state < chain.states(); ++state) {
     known.insert(UavRoom::code_of(chain.features_of(state)));
   }
-  const auto records = simulate_policy(world, chain, {.episodes = 4, .steps = 30, .seed = 9});
+  const auto records = simulate_policy(world, chain, {.episodes = 4, .steps = 30, .seed = 9}).value();
   std::uint32_t unknown_in_all = 0;
   for (std::uint32_t episode = 0; episode < 4; ++episode) {
     UavRoom room(testing::room(testing::small_room()));

@@ -9,7 +9,7 @@
 #include "coordinator/refine/refine_report.hpp"
 #include "tests/coordinator/evolution/small_world.hpp"
 #include "tests/coordinator/learning/rooms.hpp"
-#include "tests/e2e/temporary_folder.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace coppice {
 namespace {
@@ -61,7 +61,7 @@ class RefineLoop : public ::testing::Test {
     return refine(*study_, world_, start(), config_, settings_, std::filesystem::path(folder_ / folder), hooks_);
   }
 
-  e2e::TemporaryFolder folder_;
+  testing::TemporaryFolder folder_;
   const World world_ = testing::world(testing::small_room());
   std::optional<Study> study_;
   EvolveConfig config_;

@@ -1,27 +1,12 @@
 #include "tests/coordinator/study/study_fixture.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
 
 namespace coppice::testing {
-
-StudyFiles::StudyFiles() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "coppice-study-XXXXXX").string();
-  if (::mkdtemp(pattern.data()) == nullptr) {
-    throw std::runtime_error("no temporary folder");
-  }
-  folder_ = pattern;
-  path_ = folder_ + "/one.study";
-}
-
-StudyFiles::~StudyFiles() {
-  std::error_code ignored;
-  std::filesystem::remove_all(folder_, ignored);
-}
 
 Study StudyFiles::make() {
   auto study = Study::create(path_, chain_, world_, learning_);

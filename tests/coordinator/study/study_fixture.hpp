@@ -8,14 +8,12 @@
 
 #include "coordinator/study/study.hpp"
 #include "tests/coordinator/evolution/small_world.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace coppice::testing {
 
 class StudyFiles : public ::testing::Test {
  protected:
-  StudyFiles();
-  ~StudyFiles() override;
-
   Study make();
   Study reopen(Study closed) const;
 
@@ -36,8 +34,9 @@ class StudyFiles : public ::testing::Test {
   Chain chain_ = small_chain();
   StudyWorld world_{"uav", "####\n#^.#\n####\n"};
   StudyLearning learning_{R"({"alpha":0.5})", R"({"reward":283.0})"};
-  std::string folder_;
-  std::string path_;
+  TemporaryFolder temporary_;
+  std::string folder_ = temporary_.path().string();
+  std::string path_ = temporary_ / "one.study";
 };
 
 }  // namespace coppice::testing

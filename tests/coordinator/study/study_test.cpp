@@ -147,6 +147,33 @@ TEST_F(StudyTest, SavesAGenerationOnce) {
   EXPECT_EQ(study.load_checkpoint(id).value()->fitness, std::vector<double>{0.5}) << "half of a transaction was kept";
 }
 
+TEST_F(StudyTest, GoesBackToACheckpoint) {
+  Study study = make();
+  const RunId id = study.begin_run({config(), "serial"}).value();
+  const RunId other = study.begin_run({config(), "serial"}).value();
+  const auto save = [&](RunId run, std::uint32_t generation) {
+    Checkpoint checkpoint{generation, {tree_of("move")}, {0.5 + generation}, {}};
+    GenerationRecord record{.generation = generation, .best = {tree_of("move"), 0, 0.5, 0.25}};
+    enter(record.best, checkpoint.hall_of_fame);
+    EXPECT_TRUE(study.save_generation(run, record, checkpoint).has_value());
+    return checkpoint;
+  };
+  save(other, 0);
+  const Checkpoint first = save(id, 0);
+  save(id, 1);
+  const Checkpoint last = save(id, 2);
+  ASSERT_TRUE(study.rewind_run(id, first).has_value());
+  EXPECT_EQ(study.load_checkpoint(id).value(), first);
+  EXPECT_EQ(study.generations(id).value().size(), 1U);
+  save(id, 1);
+  EXPECT_EQ(save(id, 2), last);
+  ASSERT_TRUE(study.rewind_run(id, std::nullopt).has_value());
+  EXPECT_EQ(study.load_checkpoint(id).value(), std::nullopt);
+  EXPECT_TRUE(study.generations(id).value().empty());
+  EXPECT_EQ(study.generations(other).value().size(), 1U) << "another run's";
+  EXPECT_EQ(save(id, 0), first);
+}
+
 TEST_F(StudyTest, NeverOverwritesAFile) {
   { make(); }
   const std::string before = content();

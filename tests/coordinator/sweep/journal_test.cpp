@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/coordinator/evolution/small_world.hpp"
-#include "tests/e2e/temporary_folder.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace coppice {
 namespace {
@@ -32,7 +32,7 @@ class Journal : public ::testing::Test {
     return result;
   }
 
-  e2e::TemporaryFolder folder_;
+  testing::TemporaryFolder folder_;
 };
 
 TEST_F(Journal, GivesBackWhatWasAddedToTheBit) {

@@ -108,7 +108,8 @@ TEST(Explain, OverOneStepTheCostIsTheDifferenceInReward) {
     const Tree tree = *parse_tree("(selector (sequence f0=0 a1) a2)", chain.vocabulary());
     const Tree policy = Tree(chain.policy(chain.initial_state()));
     const Explanation found = explain(chain, tree, {.weighting = Weighting::tree, .steps = 1, .tests = 1, .groups = 0});
-    EXPECT_NEAR(found.cost, figures_of(chain, policy, 1).reward - figures_of(chain, tree, 1).reward, 1e-9);
+    EXPECT_NEAR(found.cost,
+                figures_of(chain, policy, 1).along_chain.reward - figures_of(chain, tree, 1).along_chain.reward, 1e-9);
   }
 }
 

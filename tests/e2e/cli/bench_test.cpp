@@ -36,6 +36,28 @@ TEST_F(Bench, ReportsEveryColumnForEveryNumberOfWorkers) {
   EXPECT_EQ(report.at("break_even").size(), 2U);
 }
 
+TEST_F(Bench, ComparesThreadsWithProcesses) {
+  const auto report =
+      coppice_json({"bench", "--workers", "2,1x2", "--workloads", "light", "--repetitions", "1", "--json"});
+  const auto& rows = report.at("workloads").at(0).at("workers");
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].at("threads"), 1);
+  EXPECT_EQ(rows[1].at("workers"), 1);
+  EXPECT_EQ(rows[1].at("threads"), 2);
+}
+
+TEST_F(Bench, MeasuresHowFastAChainReachesAWorker) {
+  ASSERT_EQ(coppice({"synth", "-o", "large.coppice", "--states", "10000"}).ending, kDone);
+  const auto report = coppice_json({"bench", "--transfer", "--study", "large.coppice", "--repetitions", "2", "--json"});
+  EXPECT_EQ(report.at("blocks"), (report.at("bytes").get<std::uint64_t>() + 262143) / 262144);
+  for (const char* field : {"start_seconds", "transfer_seconds", "bare_seconds", "share_of_bare_rate"}) {
+    expect_spread(report.at(field));
+    EXPECT_GT(report.at(field).at("median").get<double>(), 0.0) << field;
+  }
+  const Completed text = coppice({"bench", "--transfer", "--study", "large.coppice", "--repetitions", "1"});
+  EXPECT_NE(text.output.find("of the bare rate"), std::string::npos) << text.output;
+}
+
 TEST_F(Bench, EndsWithAVerdict) {
   const Completed completed = coppice({"bench", "--workers", "1", "--workloads", "light", "--repetitions", "1"});
   ASSERT_EQ(completed.ending, kDone) << completed.error;
@@ -60,7 +82,9 @@ TEST_F(Bench, PlansCapacityWithPacedWorkers) {
 }
 
 TEST_F(Bench, RefusesWrongFlags) {
-  expect_wrong_use({"bench", "--workers", "0"}, {"--workers"});
+  expect_wrong_use({"bench", "--workers", "0"}, {"--workers", "'0'", "1x2"});
+  expect_wrong_use({"bench", "--workers", "1,2x"}, {"--workers", "'2x'", "1x2"});
+  expect_wrong_use({"bench", "--pace", "2ms", "--workers", "1x2"}, {"--workers", "1 worker x 2", "--pace"});
   expect_wrong_use({"bench", "--workloads", "lite"}, {"--workloads", "lite", "light"});
   expect_wrong_use({"bench", "--pace", "2"}, {"--pace", "'2'", "2ms"});
   expect_wrong_use({"bench", "--slow", "1:20ms"}, {"--slow", "--pace"});

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "tests/e2e/process.hpp"
-#include "tests/e2e/temporary_folder.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace coppice::e2e {
 
@@ -79,7 +79,7 @@ class CommandLine : public ::testing::Test {
   }
 
  private:
-  TemporaryFolder folder_;
+  testing::TemporaryFolder folder_;
 };
 
 inline std::vector<std::string> lines_of(const std::string& text) {

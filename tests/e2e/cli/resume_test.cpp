@@ -6,53 +6,41 @@
 namespace coppice::e2e {
 namespace {
 
-class Resume : public EvolvedStudy {};
+class Resume : public EvolvedStudy {
+ protected:
+  // An evolution of study.coppice over two workers, whose coordinator is killed once it has printed `line`.
+  void kill_at(const std::string& line, std::vector<std::string> settings) const {
+    settings.insert(settings.end(), {"--workers", "2", "--lines-every", "1"});
+    Process coordinator(command(evolve("study.coppice", settings)));
+    coordinator.await_error(line);
+    coordinator.signal(SIGKILL);
+    EXPECT_EQ(coordinator.wait().signal, SIGKILL);
+  }
+};
 
 TEST_F(Resume, AfterTheCoordinatorWasKilledAgainAndAgainGivesTheSameResult) {
-  write("other.coppice", read("study.coppice"));
   const std::vector<std::string> settings = {"--seed", "4", "--set", "ga.generations=900", "--set", "ga.population=50"};
-  std::vector<std::string> alone = settings;
-  alone.insert(alone.end(), {"--serial", "--json"});
-  const auto expected = coppice_json(evolve("other.coppice", alone));
-
-  std::vector<std::string> first = settings;
-  first.insert(first.end(), {"--workers", "2", "--lines-every", "1"});
-  Process killed(command(evolve("study.coppice", first)));
-  killed.await_error("evolve: 70/900");
-  killed.signal(SIGKILL);
-  EXPECT_EQ(killed.wait().signal, SIGKILL);
-  for (const char* line : {"evolve: 200/900", "evolve: 400/900"}) {
-    Process again(command(evolve("study.coppice", {"--resume", "--workers", "2", "--lines-every", "1"})));
-    again.await_error(line);
-    again.signal(SIGKILL);
-    EXPECT_EQ(again.wait().signal, SIGKILL);
-  }
-  const auto resumed = coppice_json(evolve("study.coppice", {"--resume", "--workers", "1", "--json"}));
-  EXPECT_EQ(figures(resumed), figures(expected));
-  expect_same_runs("study.coppice", runs("other.coppice"));
+  const auto expected = serial_runs(settings);
+  kill_at("evolve: 70/900", settings);
+  kill_at("evolve: 200/900", {"--resume"});
+  kill_at("evolve: 400/900", {"--resume"});
+  coppice_json(evolve("study.coppice", {"--resume", "--workers", "1", "--json"}));
+  expect_same_runs("study.coppice", expected);
 }
 
 TEST_F(Resume, OfAFrontGivesTheSameFrontWithAndWithoutWorkers) {
-  write("other.coppice", read("study.coppice"));
   std::vector<std::string> settings = {"--seed", "4"};
   for (const char* setting : {"ga.search=front", "ga.generations=40", "ga.population=50", "ga.edits=0.7",
                               "ga.local_search=0.4", "ga.seeding=greedy", "front.restarts=1", "fitness.regret=0.1",
                               "front.objectives=agreement, coverage, regret, collisions, nodes"}) {
     settings.insert(settings.end(), {"--set", setting});
   }
-  std::vector<std::string> alone = settings;
-  alone.insert(alone.end(), {"--serial", "--json"});
-  const auto expected = coppice_json(evolve("other.coppice", alone));
-  std::vector<std::string> first = settings;
-  first.insert(first.end(), {"--workers", "2", "--lines-every", "1"});
-  Process killed(command(evolve("study.coppice", first)));
-  killed.await_error("evolve: 25/40");
-  killed.signal(SIGKILL);
-  EXPECT_EQ(killed.wait().signal, SIGKILL);
-  const auto resumed = coppice_json(evolve("study.coppice", {"--resume", "--workers", "1", "--json"}));
-  EXPECT_EQ(figures(resumed), figures(expected));
+  const auto expected = serial_runs(settings);
+  kill_at("evolve: 25/40", settings);
+  coppice_json(evolve("study.coppice", {"--resume", "--workers", "1", "--json"}));
+  expect_same_runs("study.coppice", expected);
   const auto front = coppice_json({"front", "study.coppice", "--json"});
-  EXPECT_EQ(front, coppice_json({"front", "other.coppice", "--json"}));
+  EXPECT_EQ(front, coppice_json({"front", "serial.coppice", "--json"}));
   EXPECT_GT(front.size(), 1U);
 }
 

@@ -1,14 +1,9 @@
 // What happens to processes, disks and clocks: each evolution ends with the serial result, bit for bit.
-#include <algorithm>
-#include <arpa/inet.h>
-#include <atomic>
 #include <fstream>
 #include <iostream>
-#include <netinet/in.h>
 #include <random>
 #include <signal.h>
 #include <sys/mount.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include "tests/e2e/hosts/remote_study.hpp"
@@ -20,7 +15,6 @@ using namespace std::chrono_literals;
 
 const std::vector<std::string> kPace = {"--pace", "2ms"};
 const std::vector<std::string> kSettings = {"--seed", "4", "--set", "ga.generations=60"};
-constexpr const char* kFakeTime = "/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1";
 
 class Faults : public RemoteStudy {
  protected:
@@ -185,73 +179,21 @@ TEST_F(Faults, AFullDisk) {
   expect_same_runs("small/study.coppice", expected);
 }
 
-TEST_F(Faults, AWorkerThatLiesFromTheStart) {
-  const auto expected = serial_runs(kSettings);
-  Process liar({.program = COPPICE_LIAR, .arguments = {domain_, "0"}});
-  start_worker(0, kPace);
-  const auto coordinator = start_coordinator(kSettings);
-  const std::string named = coordinator->await_error("answered wrongly and is quarantined");
-  EXPECT_NE(named.find("pid " + std::to_string(liar.pid())), std::string::npos) << named;
-  EXPECT_EQ(report_of(*coordinator)["dispatch"]["quarantined"], 1);
-  expect_same_runs("study.coppice", expected);
-}
-
-TEST_F(Faults, AWorkerThatBeginsToLieWhereEverythingIsChecked) {
-  const auto expected = serial_runs(kSettings);
-  Process liar({.program = COPPICE_LIAR, .arguments = {domain_, "20"}});
-  start_worker(0, kPace);
-  auto checked = kSettings;
-  checked.insert(checked.end(), {"--cross-check", "1"});
-  const auto coordinator = start_coordinator(checked);
-  coordinator->await_error("answered wrongly and is quarantined");
-  const auto report = report_of(*coordinator);
-  EXPECT_EQ(report["dispatch"]["quarantined"], 1);
-  EXPECT_GT(report["dispatch"]["cross_checked"], 20);
-  expect_same_runs("study.coppice", expected);
-}
-
-TEST_F(Faults, ALiarIsSaidToHaveSpoiledWhatWasNotChecked) {
-  Process liar({.program = COPPICE_LIAR, .arguments = {domain_, "20"}});
-  const auto coordinator = start_coordinator({"--seed", "4", "--set", "ga.generations=400", "--cross-check", "0.01"});
-  const std::string said = coordinator->await_error("answered wrongly and is quarantined");
-  EXPECT_NE(said.find("begin it again without that worker"), std::string::npos) << said;
-}
-
-// Half of them begin like RTPS, so that they get further.
-void throw_datagrams(std::uint16_t port, const std::atomic<bool>& enough) {
-  std::mt19937 random(port);
-  const int out = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  sockaddr_in to{};
-  to.sin_family = AF_INET;
-  to.sin_port = htons(port);
-  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  while (!enough) {
-    std::string datagram(random() % 1400, '\0');
-    std::generate(datagram.begin(), datagram.end(), [&] { return static_cast<char>(random()); });
-    if (random() % 2 == 0) {
-      datagram.replace(0, std::min<std::size_t>(datagram.size(), 6), std::string("RTPS\2\1", 6));
-    }
-    sendto(out, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
-    std::this_thread::sleep_for(50us);  // so that those who belong get a word in
-  }
-  close(out);
-}
-
 TEST_F(Faults, DatagramsOfNonsenseAtEveryPort) {
-  constexpr std::uint16_t kWorkerPort = 17'500;
-  const auto expected = serial_runs(kSettings);
-  Process& worker = start_worker(0, {"--port", std::to_string(kWorkerPort), "--pace", "2ms"});
+  constexpr const char* kWorkerPort = "17500";
+  const std::vector<std::string> settings = {"--seed", "4", "--set", "ga.generations=150"};
+  const auto expected = serial_runs(settings);
+  Process& worker = start_worker(0, {"--port", kWorkerPort, "--pace", "2ms"});
   start_worker(0, kPace);
-  std::atomic<bool> enough{false};
-  std::thread at_coordinator(throw_datagrams, static_cast<std::uint16_t>(7410 + 250 * 204), std::cref(enough));
-  std::thread at_worker(throw_datagrams, kWorkerPort, std::cref(enough));
-  {
-    const auto coordinator = start_coordinator(kSettings);
-    expect_serial_result(*coordinator, expected);
-  }
-  enough = true;
-  at_coordinator.join();
-  at_worker.join();
+  const auto coordinator = start_coordinator(settings);
+  coordinator->await_error("2 workers");
+  const std::string seed = std::to_string(std::random_device{}());
+  std::cout << "datagrams of seed " << seed << '\n';
+  Process pelt({.program = COPPICE_PELT,
+                .arguments = {seed, "2", "127.0.0.1:" + std::to_string(7410 + 250 * 204),
+                              std::string("127.0.0.1:") + kWorkerPort}});
+  EXPECT_EQ(pelt.wait(), kDone) << pelt.rest_of_error();
+  expect_serial_result(*coordinator, expected);
   EXPECT_TRUE(worker.running());
 }
 
@@ -262,15 +204,7 @@ TEST_F(Faults, ClocksThatJump) {
   const std::vector<std::string> settings = {"--seed", "4", "--set", "ga.generations=80"};
   const auto expected = serial_runs(settings);
   write("clock", "+0");
-  const auto with_clock = [&](Command command) {
-    command.environment = {{"LD_PRELOAD", kFakeTime},
-                           {"FAKETIME_TIMESTAMP_FILE", path("clock")},
-                           {"FAKETIME_NO_CACHE", "1"},
-                           {"FAKETIME_DONT_FAKE_MONOTONIC", "1"},
-                           {"DONT_FAKE_MONOTONIC", "1"}};
-    return command;
-  };
-  Process worker(with_clock({.program = COPPICE_WORKER_PROGRAM, .arguments = {"--domain", domain_, "--pace", "2ms"}}));
+  Process first(with_clock(worker(kPace)));
   start_worker(0, kPace);
   Process coordinator(with_clock(this->coordinator(settings)));
   for (const char* jump : {"+3600", "-86400", "+0", "-5"}) {

@@ -139,11 +139,19 @@ void Hosts::delay(std::size_t host, int milliseconds) {
     run({.program = kIp,
          .arguments = words(fmt::format("netns exec {} {} -K eth0 tx off tso off gso off", name(other), kEthtool))});
   }
-  delays_.push_back(
+  auto& relay = delays_[host];
+  relay =
       std::make_unique<Process>(Command{.program = kIp,
                                         .arguments = {"netns", "exec", sw, COPPICE_SLOW_LINK, fmt::format("p{}", host),
-                                                      fmt::format("q{}", host), std::to_string(milliseconds)}}));
-  delays_.back()->await_output("relaying");
+                                                      fmt::format("q{}", host), std::to_string(milliseconds)}});
+  relay->await_output("relaying");
+}
+
+void Hosts::hasten(std::size_t host) {
+  const std::string sw = network_switch();
+  delays_.erase(host);
+  ip(fmt::format("-n {} link del q{}", sw, host));
+  ip(fmt::format("-n {0} link set p{1} master br0", sw, host));
 }
 
 void Hosts::admit_only(std::size_t host, const std::string& rules) const {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,6 +38,8 @@ class Hosts {
   void lose(int percent) const;
   // Each way, on this host's link.
   void delay(std::size_t host, int milliseconds);
+  // No longer.
+  void hasten(std::size_t host);
   // nftables rules in a chain that sees what a host takes in; all else is dropped but on its loopback interface.
   void admit_only(std::size_t host, const std::string& rules) const;
 
@@ -46,7 +49,7 @@ class Hosts {
 
   std::string prefix_;
   std::size_t count_;
-  std::vector<std::unique_ptr<Process>> delays_;
+  std::map<std::size_t, std::unique_ptr<Process>> delays_;  // by host
 };
 
 }  // namespace coppice::e2e

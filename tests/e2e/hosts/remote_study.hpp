@@ -28,12 +28,14 @@ class RemoteStudy : public EvolvedStudy {
   // On this host, or on this machine when there are none.
   Command there(std::size_t host, Command command) const { return hosts_ ? hosts_->on(host, command) : command; }
 
-  Process& start_worker(std::size_t host, std::vector<std::string> more = {}) {
+  Command worker(std::vector<std::string> more = {}) const {
     std::vector<std::string> arguments = {"--coordinator", hosts_ ? Hosts::address(kCoordinatorHost) : "127.0.0.1",
                                           "--domain", domain_};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    Command worker{.program = COPPICE_WORKER_PROGRAM, .arguments = std::move(arguments)};
-    workers_.push_back(std::make_unique<Process>(there(host, std::move(worker))));
+    return {.program = COPPICE_WORKER_PROGRAM, .arguments = std::move(arguments)};
+  }
+  Process& start_worker(std::size_t host, std::vector<std::string> more = {}) {
+    workers_.push_back(std::make_unique<Process>(there(host, worker(std::move(more)))));
     return *workers_.back();
   }
 
@@ -48,6 +50,18 @@ class RemoteStudy : public EvolvedStudy {
   }
   std::unique_ptr<Process> start_coordinator(const std::vector<std::string>& more) const {
     return std::make_unique<Process>(coordinator(more));
+  }
+
+  // Its clock is off by what the file "clock" says ("+3600"): the time of day, not the one that only goes on. REQUIRES:
+  // kFakeTime exists.
+  static constexpr const char* kFakeTime = "/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1";
+  Command with_clock(Command command) const {
+    command.environment.insert(command.environment.end(), {{"LD_PRELOAD", kFakeTime},
+                                                           {"FAKETIME_TIMESTAMP_FILE", path("clock")},
+                                                           {"FAKETIME_NO_CACHE", "1"},
+                                                           {"FAKETIME_DONT_FAKE_MONOTONIC", "1"},
+                                                           {"DONT_FAKE_MONOTONIC", "1"}});
+    return command;
   }
 
   // Waits for its end, which must be a good one. Returns its report.

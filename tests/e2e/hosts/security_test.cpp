@@ -1,5 +1,7 @@
 // DDS Security: those whose identity was made for the part they play evolve the serial result; whoever else comes gets
 // nothing, changes nothing, and does not disturb.
+#include <map>
+
 #include "tests/e2e/hosts/remote_study.hpp"
 
 namespace coppice::e2e {
@@ -33,6 +35,31 @@ class Security : public RemoteStudy {
       result.arguments.push_back(path(identity));
     }
     return result;
+  }
+
+  // stranger.cpp; it knocks at the coordinator and at the worker that has this port.
+  static constexpr const char* kWorkerPort = "17520";
+  Command usurper(const std::string& identity, const std::string& rules) const {
+    return {.program = COPPICE_STRANGER,
+            .arguments = {domain_, "usurp", identity == "-" ? identity : path(identity), rules, kWorkerPort}};
+  }
+
+  // A true worker's identity with rights that another authority signed: everything is allowed.
+  void make_rights_of_another_authority(const std::string& name) const {
+    std::filesystem::create_directory(path(name));
+    for (const char* own : {"certificate.pem", "key.pem", "identity_ca.pem"}) {
+      write(name + "/" + own, read(std::string("ours/worker/") + own));
+    }
+    for (const char* other : {"governance.smime", "permissions_ca.pem"}) {
+      write(name + "/" + other, read(std::string("theirs/worker/") + other));
+    }
+    const Completed made = shell(
+        "sed -i 's/DENY/ALLOW/' theirs/authority/permissions.xml && openssl smime -sign -text"
+        " -in theirs/authority/permissions.xml -out " +
+        name +
+        "/permissions.smime"
+        " -signer theirs/authority/permissions_ca.pem -inkey theirs/authority/permissions_ca.key");
+    ASSERT_EQ(made.ending, kDone) << made.error;
   }
 };
 
@@ -70,6 +97,75 @@ TEST_F(Security, LetsThoseWhoBelongEvolveTheSerialResultAndNobodyElseIn) {
     EXPECT_EQ(workers_[i]->wait(), kDone);
     EXPECT_EQ(workers_[i]->rest_of_error().find("serving"), std::string::npos);
   }
+}
+
+// What the next test would see if nobody were kept out.
+TEST_F(Security, IsWhatKeepsAUsurperFromWorkers) {
+  Process& worker = start_worker(0, {"--port", kWorkerPort});
+  Process alone(usurper("-", "own"));
+  EXPECT_EQ(alone.wait(), kDone) << alone.rest_of_error();
+  const auto lines = lines_of(alone.rest_of_output());
+  ASSERT_EQ(lines.size(), 3U);
+  EXPECT_EQ(lines[1], "reached: control 1, task 1, block 1");
+  EXPECT_EQ(lines[2], "heard: control 0, what is meant for the coordinator 1");
+  worker.await_error("serving the coordinator usurper");
+}
+
+// Their own software allows them everything: it is the others' that does not hear or answer them.
+TEST_F(Security, HoldsAgainstThoseWhoDoNotHeedTheirOwnRules) {
+  make_certificates("theirs");
+  make_rights_of_another_authority("selfmade");
+  const std::vector<std::string> settings = {"--seed", "4", "--set", "ga.generations=400"};
+  const auto expected = serial_runs(settings);
+  Process& worker = start_worker(0, secured({"--pace", "2ms", "--port", kWorkerPort}, "ours/worker"));
+  start_worker(0, secured({"--pace", "2ms"}, "ours/worker"));
+  const auto coordinator = start_coordinator(secured(settings, "ours/coordinator"));
+  coordinator->await_error("2 workers");
+
+  const std::map<std::string, Command> usurpers = {
+      {"no identity", usurper("-", "own")},
+      {"another authority's coordinator", usurper("theirs/coordinator", "own")},
+      {"rights signed by another authority", usurper("selfmade", "own")},
+      {"rights edited under the signature", usurper("ours/worker", "init_forger")},
+      {"a true worker that ignores its rights", usurper("ours/worker", "init_lawless")},
+  };
+  std::map<std::string, std::unique_ptr<Process>> running;
+  for (const auto& [name, command] : usurpers) {
+    running.emplace(name, std::make_unique<Process>(command));
+  }
+  for (const auto& [name, process] : running) {
+    EXPECT_EQ(process->wait(), kDone) << name << ": " << process->rest_of_error();
+    const bool belongs = name.starts_with("a true worker");
+    std::string heard =
+        "matched by own rules: 0\nreached: control 0, task 0, block 0\nheard: control 0, what is meant for the "
+        "coordinator 0\n";
+    if (belongs) {  // a worker may hear who coordinates
+      heard =
+          "matched by own rules: 1\nreached: control 0, task 0, block 0\nheard: control 1, what is meant for the "
+          "coordinator 0\n";
+    }
+    EXPECT_EQ(process->rest_of_output(), heard) << name;
+  }
+
+  const auto report = report_of(*coordinator);
+  for (const char* harm : {"rejected", "workers_lost", "requeued", "quarantined"}) {
+    EXPECT_EQ(report["dispatch"][harm], 0) << harm;
+  }
+  expect_same_runs("study.coppice", expected);
+  worker.signal(SIGTERM);
+  EXPECT_EQ(worker.wait(), kDone);
+  const std::string said = worker.rest_of_error();
+  EXPECT_EQ(said.find("usurper"), std::string::npos) << said;
+}
+
+// Its own software refuses before anything is sent.
+TEST_F(Security, RefusesRightsThatWereEdited) {
+  std::string rights = read("ours/worker/permissions.smime");
+  rights.replace(rights.find("<default>DENY</default>"), 23, "<default>ALLOW</default>");
+  write("ours/worker/permissions.smime", rights);
+  Process edited(usurper("ours/worker", "own"));
+  EXPECT_EQ(edited.wait(), kFailed);
+  EXPECT_EQ(edited.rest_of_output(), "");
 }
 
 TEST_F(Security, KeepsWorkersFromACoordinatorWhoDoesNotBelong) {

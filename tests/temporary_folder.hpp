@@ -7,7 +7,7 @@
 #include <string>
 #include <system_error>
 
-namespace coppice::e2e {
+namespace coppice::testing {
 
 class TemporaryFolder {
  public:
@@ -32,4 +32,4 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-}  // namespace coppice::e2e
+}  // namespace coppice::testing

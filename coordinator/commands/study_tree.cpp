@@ -1,4 +1,4 @@
-#include "coordinator/commands/tree_option.hpp"
+#include "coordinator/commands/study_tree.hpp"
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
@@ -63,20 +63,7 @@ Result<Tree> tree_of_last_run(const Study& study) {
       fmt::format("{}: has no run with a tree yet: expected --tree, or run 'coppice evolve' first", study.path()));
 }
 
-}  // namespace
-
-void add_tree_option(CLI::App& command, TreeOption& option) {
-  CLI::Option* tree = command.add_option("--tree", option.tree,
-                                         "The tree: its text form, or a file that holds one (default: the best "
-                                         "tree of the last finished run)");
-  tree->type_name("TEXT|FILE");
-  command.add_option("--run", option.run, "The best tree of this run instead")
-      ->type_name("N")
-      ->check(whole_number())
-      ->excludes(tree);
-}
-
-Result<Tree> tree_of(const TreeOption& option, const Study& study) {
+Result<Tree> tree_of(const StudyTreeOption& option, const Study& study) {
   if (option.run) {
     return study.best_tree(RunId{*option.run});
   }
@@ -92,6 +79,32 @@ Result<Tree> tree_of(const TreeOption& option, const Study& study) {
     return in_context("--tree (no file of that name, so read as a tree)", std::move(tree).error());
   }
   return tree;
+}
+
+}  // namespace
+
+void add_study_tree(CLI::App& command, StudyTreeOption& option) {
+  command.add_option("STUDY", option.study, "The study file")->required();
+  CLI::Option* tree = command.add_option("--tree", option.tree,
+                                         "The tree: its text form, or a file that holds one (default: the best "
+                                         "tree of the last finished run)");
+  tree->type_name("TEXT|FILE");
+  command.add_option("--run", option.run, "The best tree of this run instead")
+      ->type_name("N")
+      ->check(whole_number())
+      ->excludes(tree);
+}
+
+Result<StudyTree> open_study_tree(const StudyTreeOption& option) {
+  Result<Study> study = Study::open(option.study, Study::Access::read);
+  if (!study) {
+    return tl::unexpected(std::move(study).error());
+  }
+  Result<Tree> tree = tree_of(option, *study);
+  if (!tree) {
+    return tl::unexpected(std::move(tree).error());
+  }
+  return StudyTree{std::move(*study), std::move(*tree)};
 }
 
 }  // namespace coppice

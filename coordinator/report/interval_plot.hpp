@@ -1,4 +1,4 @@
-// Means with intervals, setting by setting, as a picture: gnuplot (http://gnuplot.info) draws it.
+// Means with intervals, setting by setting, as a picture.
 #pragma once
 
 #include <filesystem>
@@ -30,11 +30,7 @@ struct IntervalPlot {
 // What gnuplot is told, without where to.
 std::string to_gnuplot(const IntervalPlot& plot);
 
-// Error: gnuplot is not on PATH.
-Result<void> check_gnuplot();
-
-// Writes an SVG, which appears whole or not at all. Errors: gnuplot is missing or fails; the file cannot be written.
-// REQUIRES: each panel has as many points as there are settings.
+// Writes it as an SVG. Errors: as draw_by_gnuplot(). REQUIRES: each panel has as many points as there are settings.
 Result<void> write_plot(const IntervalPlot& plot, const std::filesystem::path& path);
 
 }  // namespace coppice

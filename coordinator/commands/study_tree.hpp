@@ -1,0 +1,35 @@
+// STUDY, --tree TEXT|FILE and --run N: which tree of which study a command is about.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "common/error.hpp"
+#include "common/tree/tree.hpp"
+#include "coordinator/study/study.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace coppice {
+
+struct StudyTreeOption {
+  std::string study;
+  std::string tree;                 // text or file; empty: the best tree of a run
+  std::optional<std::int64_t> run;  // empty: the last finished run, else the last that has a tree
+};
+
+void add_study_tree(CLI::App& command, StudyTreeOption& option);
+
+struct StudyTree {
+  Study study;  // to read
+  Tree tree;
+};
+
+// Errors: as Study::open(). bad_input: malformed text, naming file, line and column; a file that does not hold exactly
+// one tree; a study without such a run.
+Result<StudyTree> open_study_tree(const StudyTreeOption& option);
+
+}  // namespace coppice

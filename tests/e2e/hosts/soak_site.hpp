@@ -1,0 +1,143 @@
+// What a soak runs on: hosts where they can be built, a small disk, workers that come and go by one source of chance,
+// and a coordinator that can be ended and resumed at any moment.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <signal.h>
+#include <sys/mount.h>
+#include <unistd.h>
+
+#include "tests/e2e/hosts/remote_study.hpp"
+
+namespace coppice::e2e {
+
+class SoakSite : public RemoteStudy {
+ protected:
+  static constexpr std::size_t kHosts = 3;
+  static constexpr std::size_t kFewestWorkers = 2;
+  static constexpr std::size_t kMostWorkers = 5;
+  static constexpr std::size_t kFirstPort = 17'700;  // of workers, so that datagrams find them
+  static constexpr std::size_t kPorts = 2'000;
+
+  SoakSite() { domain_ = "205"; }
+  ~SoakSite() override {
+    if (mounted_) {
+      umount2(path("disk").c_str(), MNT_DETACH);
+    }
+  }
+
+  void SetUp() override {
+    if (!Hosts::why_not()) {
+      hosts_ = std::make_unique<Hosts>(kHosts);
+    }
+    RemoteStudy::SetUp();
+    std::filesystem::create_directory(path("disk"));
+    mounted_ = geteuid() == 0 && mount("coppice-soak", path("disk").c_str(), "tmpfs", 0, "size=64m") == 0;
+    write("clock", "+0");
+    chains_.push_back(read("study.coppice"));
+    ASSERT_EQ(coppice({"learn", "-o", "other.coppice", "--episodes", "400", "--seed", "6"}).ending, kDone);
+    chains_.push_back(read("other.coppice"));
+  }
+
+  std::size_t below(std::size_t limit) { return std::uniform_int_distribution<std::size_t>(0, limit - 1)(random_); }
+  void pass_up_to(std::chrono::milliseconds most) {
+    let_pass(std::chrono::milliseconds(below(static_cast<std::size_t>(most.count())) + 1));
+  }
+  std::size_t some_host() { return hosts_ ? 2 + below(kHosts - 1) : 0; }
+  std::string address(std::size_t host) const { return hosts_ ? Hosts::address(host) : "127.0.0.1"; }
+
+  // Of some, the time of day jumps.
+  Command perhaps_with_clock(Command command) {
+    return has_clocks_ && below(2) == 0 ? with_clock(std::move(command)) : command;
+  }
+
+  void add_worker() {
+    const std::size_t host = some_host();
+    const std::string port = std::to_string(kFirstPort + next_port_++ % kPorts);
+    workers_.push_back(std::make_unique<Process>(there(
+        host, perhaps_with_clock(worker({"--pace", std::to_string(200 + below(2000)) + "us", "--threads",
+                                         std::to_string(1 + below(2)), "--port", port, "--log-level", "warn"})))));
+    doors_.push_back(address(host) + ":" + port);
+  }
+  void remove_worker(std::size_t which) {
+    workers_.erase(workers_.begin() + static_cast<std::ptrdiff_t>(which));
+    doors_.erase(doors_.begin() + static_cast<std::ptrdiff_t>(which));
+  }
+  void fill_up() {
+    while (workers_.size() < kFewestWorkers) {
+      add_worker();
+    }
+  }
+
+  void coordinate(std::vector<std::string> more) {
+    std::vector<std::string> arguments =
+        evolve("disk/study.coppice",
+               {"--remote", "--domain", domain_, "--lines-every", "1", "--cross-check", all_checked_ ? "1" : "0.01"});
+    if (hosts_) {
+      arguments.insert(arguments.end(), {"--interface", "eth0"});
+    }
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    coordinator_ =
+        std::make_unique<Process>(there(kCoordinatorHost, perhaps_with_clock(command(std::move(arguments)))));
+  }
+
+  void replace_worker(int signal) {
+    const std::size_t which = below(workers_.size());
+    workers_[which]->signal(signal);
+    workers_[which]->wait();
+    remove_worker(which);
+    pass_up_to(std::chrono::milliseconds(300));
+    fill_up();
+  }
+
+  void let_in(const char* program, std::vector<std::string> arguments) {
+    Command stranger{.program = program, .arguments = std::move(arguments)};
+    stranger.environment = {{"COPPICE_STRANGER_HOST", address(kCoordinatorHost)}};
+    strangers_.push_back(std::make_unique<Process>(there(some_host(), stranger)));
+  }
+
+  void fill_disk_for_a_while() {
+    {
+      std::ofstream filler(path("disk/filler"), std::ios::binary);
+      const std::string block(4096, 'x');
+      while (filler.write(block.data(), static_cast<std::streamsize>(block.size())).flush()) {
+      }
+    }
+    pass_up_to(std::chrono::milliseconds(500));
+    std::filesystem::remove(path("disk/filler"));
+    if (!coordinator_->running()) {
+      resume();
+    }
+  }
+
+  void end_coordinator(int signal) {
+    coordinator_->signal(signal);
+    resume();
+  }
+  // Unless it had ended its run already.
+  void resume() {
+    coordinator_->wait();
+    if (status() != "finished") {
+      coordinate({"--resume"});
+    }
+  }
+
+  std::string status() const {
+    const auto list = coppice_json({"info", "disk/study.coppice", "--json"})["runs"];
+    return list.empty() ? "none" : list.back()["status"].get<std::string>();
+  }
+
+  std::mt19937 random_;
+  std::vector<std::string> chains_;  // studies, not evolved yet
+  std::unique_ptr<Process> coordinator_;
+  bool all_checked_ = false;
+  std::vector<std::string> doors_;  // of each worker: address and port
+  std::size_t next_port_ = 0;
+  std::vector<std::unique_ptr<Process>> strangers_;
+  const bool has_clocks_ = std::filesystem::exists(kFakeTime);
+  bool mounted_ = false;
+};
+
+}  // namespace coppice::e2e
