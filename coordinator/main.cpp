@@ -89,6 +89,7 @@ int run(int argc, char** argv) {
   coppice::add_run(app, invocation);
   coppice::add_learn(app, invocation);
   coppice::add_evolve(app, invocation);
+  coppice::add_refine(app, invocation);
   coppice::add_score(app, invocation);
   coppice::add_verify(app, invocation);
   coppice::add_explain(app, invocation);

@@ -7,6 +7,7 @@
 #include "common/check.hpp"
 #include "common/tree/text.hpp"
 #include "coordinator/evolution/pick.hpp"
+#include "coordinator/evolution/seeding.hpp"
 
 namespace coppice {
 namespace {
@@ -122,6 +123,10 @@ Result<void> check_config(const EvolveConfig& config, const Vocabulary& vocabula
   if (config.ga.elites >= config.ga.population) {
     return bad_input(fmt::format("ga.elites is {}: expected fewer than ga.population, which is {}", config.ga.elites,
                                  config.ga.population));
+  }
+  const auto founders = founders_of(config.ga, vocabulary);
+  if (!founders) {
+    return in_context("ga.founders", founders.error());
   }
   const RolloutConfig& rollout = config.rollout;
   if (rollout.method == Method::rollouts) {

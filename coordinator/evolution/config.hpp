@@ -58,6 +58,7 @@ struct GaConfig {
   Seeding seeding = Seeding::none;
   double edits = 0.0;         // share of the mutations that are a few small edits instead (Breeding::edit)
   double local_search = 0.0;  // search front: share of the children that are edits of trees on the front
+  std::string founders;       // trees of the first generation, with ; between (seeding.hpp)
 
   TreeShape shape() const { return {max_depth, max_children, max_nodes}; }
   bool operator==(const GaConfig&) const = default;

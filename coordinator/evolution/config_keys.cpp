@@ -141,6 +141,7 @@ std::vector<ConfigKey> keys_of(EvolveConfig& config) {
       {"ga", "seeding", &ga.seeding, 0, 0},
       {"ga", "edits", &ga.edits, 0, 1},
       {"ga", "local_search", &ga.local_search, 0, 1},
+      {"ga", "founders", &ga.founders, 0, 0},
       {"rollout", "rollouts", &rollout.rollouts, 1, kMaxRollouts},
       {"rollout", "steps", &rollout.steps, 1, kMaxSteps},
       {"rollout", "final_rollouts", &rollout.final_rollouts, 1, kMaxRollouts},

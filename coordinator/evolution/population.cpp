@@ -17,8 +17,13 @@ std::vector<Tree> first_population(const Breeding& breeding, const EvolveConfig&
   const GaConfig& ga = config.ga;
   const std::uint64_t seed = config.seed;
   std::vector<Tree> population;
+  if (generation == 0) {
+    auto founders = founders_of(ga, chain.vocabulary());
+    COPPICE_CHECK(founders.has_value());  // check_config()
+    population = std::move(*founders);
+  }
   population.reserve(ga.population);
-  for (std::uint32_t slot = 0; slot < ga.population; ++slot) {
+  for (auto slot = static_cast<std::uint32_t>(population.size()); slot < ga.population; ++slot) {
     Stream stream(seed, Purpose::growing, generation, slot);
     std::optional<Tree> seeded;
     if (slot % 2 == 1 && ga.seeding != Seeding::none) {

@@ -13,8 +13,8 @@
 
 namespace coppice {
 
-// Of generation 0, or of another with which a search begins anew. Grown trees; with ga.seeding every second one is
-// seeded, as far as the limits allow.
+// Of generation 0, which begins with ga.founders, or of another with which a search begins anew. Grown trees; with
+// ga.seeding every second one is seeded, as far as the limits allow. REQUIRES: check_config().
 std::vector<Tree> first_population(const Breeding& breeding, const EvolveConfig& config, const Chain& chain,
                                    std::uint32_t generation = 0);
 

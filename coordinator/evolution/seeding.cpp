@@ -1,16 +1,21 @@
 #include "coordinator/evolution/seeding.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <numeric>
+#include <string_view>
 #include <vector>
 
 #include "common/check.hpp"
+#include "common/tree/text.hpp"
+#include "coordinator/evolution/breeding.hpp"
 
 namespace coppice {
 namespace {
 
 constexpr std::size_t kNodesPerBranch = 3;
 constexpr std::size_t kMaxBranches = 12;
+constexpr char kBetweenFounders = ';';
 
 std::vector<Node> all_conditions(const Vocabulary& vocabulary) {
   std::vector<Node> conditions;
@@ -144,6 +149,45 @@ std::optional<Tree> seed_tree(Seeding seeding, const Chain& chain, const TreeSha
     list.push_back({condition, any_action()});
   }
   return tree_of(list, any_action());
+}
+
+Result<std::vector<Tree>> founders_of(const GaConfig& ga, const Vocabulary& vocabulary) {
+  std::vector<Tree> founders;
+  if (ga.founders.empty()) {
+    return founders;
+  }
+  const Breeding breeding(vocabulary, ga.shape());
+  std::string_view rest = ga.founders;
+  for (bool more = true; more;) {
+    const std::string name = fmt::format("tree {}", founders.size() + 1);
+    const std::size_t end = rest.find(kBetweenFounders);
+    more = end != std::string_view::npos;
+    auto tree = parse_tree(rest.substr(0, end), vocabulary);
+    rest.remove_prefix(more ? end + 1 : rest.size());
+    if (!tree) {
+      return in_context(name, tree.error());
+    }
+    if (!breeding.within_limits(*tree)) {
+      return bad_input(
+          fmt::format("{}, of {} nodes, is outside the limits: expected ga.max_depth ({}), 2 to "
+                      "ga.max_children ({}) children and ga.max_nodes ({}) to hold",
+                      name, tree->size(), ga.max_depth, ga.max_children, ga.max_nodes));
+    }
+    founders.push_back(std::move(*tree));
+    if (founders.size() > ga.population) {
+      return bad_input(
+          fmt::format("more trees than ga.population, which is {}: expected as many at most", ga.population));
+    }
+  }
+  return founders;
+}
+
+std::string founders_text(std::span<const Tree> trees, const Vocabulary& vocabulary) {
+  std::string text;
+  for (const Tree& tree : trees) {
+    text += (text.empty() ? "" : std::string(1, kBetweenFounders) + " ") + to_text(tree, vocabulary);
+  }
+  return text;
 }
 
 }  // namespace coppice

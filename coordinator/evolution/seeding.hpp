@@ -12,6 +12,9 @@
 #pragma once
 
 #include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "common/chain/chain.hpp"
 #include "common/chain/random.hpp"
@@ -23,5 +26,12 @@ namespace coppice {
 
 // None: the shape has no room for a selector of branches. REQUIRES: seeding is not none.
 std::optional<Tree> seed_tree(Seeding seeding, const Chain& chain, const TreeShape& shape, Stream& stream);
+
+// The trees that ga.founders spells, in its order: they take the first slots of the first generation, so that a search
+// goes on from what an earlier one, another method or a hand has made. Errors name the tree, by its number from 1: text
+// that is no tree; a tree outside the limits of `ga`; more trees than a generation has.
+Result<std::vector<Tree>> founders_of(const GaConfig& ga, const Vocabulary& vocabulary);
+// What ga.founders is for these trees.
+std::string founders_text(std::span<const Tree> trees, const Vocabulary& vocabulary);
 
 }  // namespace coppice

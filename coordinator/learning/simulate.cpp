@@ -47,17 +47,19 @@ class Observations {
 template <typename Simulator, typename Controller>
 Result<std::vector<EpisodeRecord>> run_episodes(Simulator simulator, const Observations<Simulator>& observations,
                                                 const SimulateSettings& settings, const SimulateProgress& go_on,
-                                                const Controller& controller) {
+                                                const SimulateWatch& watch, const Controller& controller) {
   std::vector<EpisodeRecord> records;
   records.reserve(settings.episodes);
   for (std::uint64_t episode = 0; episode < settings.episodes; ++episode) {
     if (go_on && !go_on()) {
       return interrupted();
     }
-    Stream random(settings.seed, Purpose::simulating, static_cast<std::uint32_t>(episode >> 32U),
-                  static_cast<std::uint32_t>(episode));
+    const std::uint64_t number = settings.first_episode + episode;
+    Stream random(settings.seed, Purpose::simulating, static_cast<std::uint32_t>(number >> 32U),
+                  static_cast<std::uint32_t>(number));
     EpisodeRecord record;
     simulator.reset();
+    const std::uint32_t first_code = simulator.code();
     bool ended = false;
     while (record.steps < settings.steps && !ended) {
       const std::uint32_t code = simulator.code();
@@ -73,6 +75,12 @@ Result<std::vector<EpisodeRecord>> run_episodes(Simulator simulator, const Obser
       record.reward += outcome.reward;
       record.collisions += outcome.collided ? 1 : 0;
       ended = outcome.ended;
+      if (watch) {
+        watch({.before = observations.features(code),
+               .action = action,
+               .reward = outcome.reward,
+               .after = observations.features(ended ? first_code : simulator.code())});
+      }
     }
     records.push_back(record);
   }
@@ -82,37 +90,40 @@ Result<std::vector<EpisodeRecord>> run_episodes(Simulator simulator, const Obser
 // tree: nullptr for the policy itself.
 template <typename Simulator>
 Result<std::vector<EpisodeRecord>> simulate_in(const Simulator& simulator, const Chain& chain, const Tree* tree,
-                                               const SimulateSettings& settings, const SimulateProgress& go_on) {
+                                               const SimulateSettings& settings, const SimulateProgress& go_on,
+                                               const SimulateWatch& watch) {
   const Observations<Simulator> observations(chain);
   if (tree != nullptr) {
     COPPICE_CHECK(check_tree(*tree, chain.vocabulary()).has_value());
-    return run_episodes(simulator, observations, settings, go_on,
+    return run_episodes(simulator, observations, settings, go_on, watch,
                         [&](std::uint32_t code) { return tick(*tree, observations.features(code)); });
   }
-  return run_episodes(simulator, observations, settings, go_on,
+  return run_episodes(simulator, observations, settings, go_on, watch,
                       [&](std::uint32_t code) { return observations.policy(code).value_or(kActionWhenUnknown); });
 }
 
 Result<std::vector<EpisodeRecord>> simulate(const World& world, const Chain& chain, const Tree* tree,
-                                            const SimulateSettings& settings, const SimulateProgress& go_on) {
+                                            const SimulateSettings& settings, const SimulateProgress& go_on,
+                                            const SimulateWatch& watch) {
   if (world.kind == WorldKind::windy) {
-    return simulate_in(WindyGrid(), chain, tree, settings, go_on);
+    return simulate_in(WindyGrid(), chain, tree, settings, go_on, watch);
   }
   const auto map = parse_room(world.room);
   COPPICE_CHECK(map.has_value());
-  return simulate_in(UavRoom(*map), chain, tree, settings, go_on);
+  return simulate_in(UavRoom(*map), chain, tree, settings, go_on, watch);
 }
 
 }  // namespace
 
 Result<std::vector<EpisodeRecord>> simulate_tree(const World& world, const Chain& chain, const Tree& tree,
-                                                 const SimulateSettings& settings, const SimulateProgress& go_on) {
-  return simulate(world, chain, &tree, settings, go_on);
+                                                 const SimulateSettings& settings, const SimulateProgress& go_on,
+                                                 const SimulateWatch& watch) {
+  return simulate(world, chain, &tree, settings, go_on, watch);
 }
 
 Result<std::vector<EpisodeRecord>> simulate_policy(const World& world, const Chain& chain,
                                                    const SimulateSettings& settings, const SimulateProgress& go_on) {
-  return simulate(world, chain, nullptr, settings, go_on);
+  return simulate(world, chain, nullptr, settings, go_on, {});
 }
 
 }  // namespace coppice

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "common/chain/chain.hpp"
@@ -16,6 +17,7 @@ struct SimulateSettings {
   std::uint64_t episodes = 500;
   std::uint32_t steps = 150;  // per episode
   std::uint64_t seed = 1;
+  std::uint64_t first_episode = 0;  // number of the first: episodes of other numbers have other luck
 };
 
 // Asked between episodes; false to stop. May be empty.
@@ -29,12 +31,25 @@ struct EpisodeRecord {
   std::uint32_t unknown = 0;  // steps in a state that the chain does not know: never a match
 };
 
+// A step that a controller took, for those who watch. Spans hold during the call.
+struct SimulatedStep {
+  std::span<const std::uint8_t> before;  // [features] what was observed
+  ActionId action{};                     // an action: a controller that holds still takes no step
+  double reward = 0.0;
+  // [features] What is observed then. Of a step that ends the episode it is where the next one starts, as in the chain
+  // (learning_loop.hpp).
+  std::span<const std::uint8_t> after;
+};
+// Called behind every step. May be empty.
+using SimulateWatch = std::function<void(const SimulatedStep&)>;
+
 // Runs the tree, ticked on the true observation each step; with no action the agent holds still for the step (no
 // reward). Every episode has its own stream of random numbers, f(seed, episode), so two controllers meet the same luck
 // as far as their walks agree. [episodes] Errors: interrupted, when `go_on` said to stop. REQUIRES: chain's vocabulary
 // is the world's, check_tree(tree, vocabulary).
 Result<std::vector<EpisodeRecord>> simulate_tree(const World& world, const Chain& chain, const Tree& tree,
-                                                 const SimulateSettings& settings, const SimulateProgress& go_on = {});
+                                                 const SimulateSettings& settings, const SimulateProgress& go_on = {},
+                                                 const SimulateWatch& watch = {});
 
 // Runs the learned policy itself; in a state that the chain does not know it takes action 0 (what greedy on an
 // empty row of Q gives).

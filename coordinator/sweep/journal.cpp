@@ -20,9 +20,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json json_of(const SweepResult& result, const Vocabulary& vocabulary) {
-  Json json = {{"fitness", result.fitness},   {"agreement", result.agreement},
-               {"coverage", result.coverage}, {"distinct", result.distinct},
-               {"nodes", result.nodes},       {"tree", to_text(result.tree, vocabulary)},
+  Json json = {{"fitness", result.fitness},
+               {"agreement", result.agreement},
+               {"coverage", result.coverage},
+               {"distinct", result.distinct},
+               {"meanings", result.meanings},
+               {"nodes", result.nodes},
+               {"tree", to_text(result.tree, vocabulary)},
                {"seconds", result.seconds}};
   if (result.simulated) {
     json["simulated"] = {{"agreement", result.simulated->agreement},
@@ -43,6 +47,7 @@ std::optional<SweepResult> result_of(const Json& json, const Vocabulary& vocabul
   result.agreement = json.at("agreement").get<double>();
   result.coverage = json.at("coverage").get<double>();
   result.distinct = json.at("distinct").get<double>();
+  result.meanings = json.at("meanings").get<double>();
   result.nodes = json.at("nodes").get<std::uint64_t>();
   result.tree = *tree;
   result.seconds = json.at("seconds").get<double>();

@@ -13,7 +13,8 @@ const std::vector<SweepColumn>& sweep_columns(bool simulated) {
   static const std::vector<SweepColumn> on_chain = {
       {"coverage", "all states %", 100.0, 1, true}, {"agreement", "on chain %", 100.0, 1, true},
       {"fitness", "fitness", 1.0, 3, true},         {"nodes", "nodes", 1.0, 1, false},
-      {"distinct", "distinct %", 100.0, 1, true},   {"seconds", "seconds", 1.0, 2, false},
+      {"distinct", "distinct %", 100.0, 1, true},   {"meanings", "meanings %", 100.0, 1, true},
+      {"seconds", "seconds", 1.0, 2, false},
   };
   static const std::vector<SweepColumn> all = [] {
     std::vector<SweepColumn> extended = on_chain;
@@ -38,13 +39,15 @@ double value_of(const SweepResult& result, std::size_t measure) {
     case 4:
       return result.distinct;
     case 5:
+      return result.meanings;
+    case 6:
       return result.seconds;
     default:
       break;
   }
-  COPPICE_CHECK(result.simulated.has_value() && measure < 9);
-  return measure == 6   ? result.simulated->agreement
-         : measure == 7 ? result.simulated->reward
+  COPPICE_CHECK(result.simulated.has_value() && measure < 10);
+  return measure == 7   ? result.simulated->agreement
+         : measure == 8 ? result.simulated->reward
                         : result.simulated->collisions;
 }
 

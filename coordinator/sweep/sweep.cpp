@@ -5,8 +5,10 @@
 #include <chrono>
 #include <mutex>
 #include <thread>
+#include <unordered_set>
 
 #include "common/check.hpp"
+#include "common/fitness/meaning.hpp"
 #include "common/tree/action_table.hpp"
 #include "common/tree/simplify.hpp"
 #include "common/tree/state_columns.hpp"
@@ -17,6 +19,14 @@ namespace coppice {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+std::size_t count_meanings(Meanings& meanings, std::span<const Tree> trees) {
+  std::unordered_set<Meaning, MeaningHash> found;
+  for (const Tree& tree : trees) {
+    found.insert(meanings.of(tree));
+  }
+  return found.size();
+}
 
 class Sweep {
  public:
@@ -86,9 +96,12 @@ class Sweep {
   Result<SweepResult> evolve_one(const EvolveConfig& config, Evaluator& evaluator) {
     const Clock::time_point begin = Clock::now();
     SweepResult result;
+    Meanings meanings(chain_);
     EvolveHooks hooks;
     hooks.generation_done = [&](const GenerationRecord& record, const Checkpoint& checkpoint) -> Result<void> {
-      result.distinct += static_cast<double>(record.distinct_trees) / static_cast<double>(checkpoint.population.size());
+      const auto individuals = static_cast<double>(checkpoint.population.size());
+      result.distinct += static_cast<double>(record.distinct_trees) / individuals;
+      result.meanings += static_cast<double>(count_meanings(meanings, checkpoint.population)) / individuals;
       if (stop_.raised() || ended()) {
         return interrupted();
       }
@@ -106,6 +119,7 @@ class Sweep {
       return interrupted();
     }
     result.distinct /= evolved->generations_done;
+    result.meanings /= evolved->generations_done;
     result.fitness = evolved->best.fitness;
     result.agreement = evolved->best.agreement;
     result.tree = simplify(evolved->best.tree, chain_.vocabulary(), columns_).tree;

@@ -25,6 +25,7 @@ struct SweepResult {
   double agreement = 0.0;   // likewise
   double coverage = 0.0;    // share of all states in which it does what the policy does
   double distinct = 0.0;    // different trees, as a share of the population, mean over the generations
+  double meanings = 0.0;    // the same for different action tables: trees that differ in what they do
   std::uint64_t nodes = 0;  // after pruning on the chain
   Tree tree{ActionId{0}};   // likewise
   struct Simulated {

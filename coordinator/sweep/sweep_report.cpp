@@ -122,7 +122,9 @@ std::string to_text(const SweepPlan& plan, const SweepResults& results) {
     }
     text += "\n";
   }
-  text += "means with 95 % intervals (Student's t) over the runs; distinct: different trees in a generation\n";
+  text +=
+      "means with 95 % intervals (Student's t) over the runs; distinct: different trees in a generation,\n"
+      "meanings: different action tables in it\n";
   const auto best = std::max_element(rows.begin(), rows.end(),
                                      [](const Row& a, const Row& b) { return a.summary(2).mean < b.summary(2).mean; });
   fmt::format_to(std::back_inserter(text), "highest mean fitness: {}; its best run: seed {}\n",

@@ -11,6 +11,7 @@
 #include "common/tree/text.hpp"
 #include "common/tree/tick.hpp"
 #include "coordinator/evolution/population.hpp"
+#include "coordinator/evolution/seeding.hpp"
 #include "tests/coordinator/evolution/small_world.hpp"
 
 namespace coppice {
@@ -286,6 +287,23 @@ TEST(Population, SeedsAreWithinTheLimitsAndTheGreedyOnesFollowThePolicy) {
     // The planted policy is a decision list of two branches.
     EXPECT_EQ(whole > 0, seeding == Seeding::greedy) << name_of(seeding);
   }
+}
+
+TEST(Population, FoundersTakeTheFirstSlotsAndChangeNoOther) {
+  const Chain chain = testing::small_chain();
+  EvolveConfig config;
+  config.ga.population = 12;
+  const Breeding breeding(kVocabulary, config.ga.shape());
+  const std::vector<Tree> grown = first_population(breeding, config, chain);
+  const std::vector<Tree> founders = {tree_of("(selector (sequence a=0 left) move)"), tree_of("right")};
+  config.ga.founders = founders_text(founders, kVocabulary);
+  EXPECT_EQ(config.ga.founders, "(selector (sequence a=0 left) move); right");
+  const std::vector<Tree> begun = first_population(breeding, config, chain);
+  ASSERT_EQ(begun.size(), 12U);
+  for (std::size_t slot = 0; slot < begun.size(); ++slot) {
+    EXPECT_EQ(begun[slot], slot < 2 ? founders[slot] : grown[slot]);
+  }
+  EXPECT_NE(first_population(breeding, config, chain, 5)[0], founders[0]) << "another beginning is without them";
 }
 
 }  // namespace

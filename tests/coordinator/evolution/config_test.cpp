@@ -20,9 +20,22 @@ const std::string kThesisFile = std::string(COPPICE_SOURCE_DIR) + "/coordinator/
 EvolveConfig unusual_config() {
   EvolveConfig config;
   config.seed = std::numeric_limits<std::uint64_t>::max();
-  config.ga = {
-      7,   8,  0.1, 1.0 / 3.0, 0.7, 1e-17, 9, 2, 0, 99, Search::front, Simplification::lossless, Seeding::greedy,
-      0.3, 0.4};
+  config.ga = {7,
+               8,
+               0.1,
+               1.0 / 3.0,
+               0.7,
+               1e-17,
+               9,
+               2,
+               0,
+               99,
+               Search::front,
+               Simplification::lossless,
+               Seeding::greedy,
+               0.3,
+               0.4,
+               "(selector (sequence a=0 left) move); left"};
   config.rollout = {11,
                     12,
                     13,
@@ -77,13 +90,15 @@ TEST(Config, TheRulesInTheExampleFileAreValidOnceUncommented) {
   EXPECT_EQ(config.fitness.rules, expected);
 }
 
-TEST(Config, TheRecipeForFrontsIsValid) {
-  EvolveConfig config;
-  const auto ok = load_config(std::string(COPPICE_SOURCE_DIR) + "/coordinator/evolution/front.toml", config);
-  ASSERT_TRUE(ok.has_value()) << ok.error().message;
-  EXPECT_EQ(config.ga.search, Search::front);
-  const auto checked = check_config(config, small_vocabulary());
-  EXPECT_TRUE(checked.has_value()) << checked.error().message;
+TEST(Config, TheRecipesForFrontsAreValid) {
+  for (const char* recipe : {"front.toml", "coverage.toml"}) {
+    EvolveConfig config;
+    const auto ok = load_config(std::string(COPPICE_SOURCE_DIR) + "/coordinator/evolution/" + recipe, config);
+    ASSERT_TRUE(ok.has_value()) << ok.error().message;
+    EXPECT_EQ(config.ga.search, Search::front);
+    const auto checked = check_config(config, small_vocabulary());
+    EXPECT_TRUE(checked.has_value()) << recipe << ": " << checked.error().message;
+  }
 }
 
 TEST(Config, AFrontRefusesWhatItCannotKeep) {
@@ -108,6 +123,25 @@ TEST(Config, AFrontRefusesWhatItCannotKeep) {
   EXPECT_NE(message({"rollout.start=visits", "rollout.method=exact"}).find("only roll-outs"), std::string::npos);
   EXPECT_NE(message({"ga.search=front", "rollout.acting=mixed", "rollout.schedule=step"}).find("rollout.schedule"),
             std::string::npos);
+}
+
+TEST(Config, FoundersAreTreesWithinTheLimits) {
+  const auto message = [](const std::string& founders) {
+    EvolveConfig config;
+    config.ga.population = 3;
+    config.ga.max_nodes = 6;
+    config.ga.founders = founders;
+    const auto ok = check_config(config, small_vocabulary());
+    return ok ? std::string("accepted") : ok.error().message;
+  };
+  EXPECT_EQ(message("left"), "accepted");
+  EXPECT_EQ(message("(selector (sequence a=0 left) move) ;left;(selector b=3 right)"), "accepted");
+  EXPECT_EQ(message("left; (selector").rfind("ga.founders: tree 2: ", 0), 0U) << message("left; (selector");
+  EXPECT_EQ(message("left;").rfind("ga.founders: tree 2: ", 0), 0U);
+  EXPECT_NE(message("(selector left)").find("tree 1, of 2 nodes, is outside the limits"), std::string::npos);
+  EXPECT_NE(message("(sequence a=0 b=0 c=0 d=0 (selector a=1 left))").find("ga.max_nodes (6)"), std::string::npos);
+  EXPECT_EQ(message("left; left; left; left"),
+            "ga.founders: more trees than ga.population, which is 3: expected as many at most");
 }
 
 TEST(Config, AScheduleMovesThePolicysShareOverTheGenerations) {

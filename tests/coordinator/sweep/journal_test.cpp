@@ -23,6 +23,8 @@ class Journal : public ::testing::Test {
     SweepResult result;
     result.fitness = 1.0 / 3.0;
     result.agreement = 0.1;
+    result.distinct = 0.6;
+    result.meanings = 0.3;
     result.nodes = 3;
     result.tree = testing::tree_of("(selector (sequence a=0 left) move)");
     result.simulated = SweepResult::Simulated{0.7, -1e-300, 2.0};

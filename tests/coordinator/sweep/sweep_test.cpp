@@ -48,6 +48,8 @@ TEST_F(SweepOnSmallChain, GivesEveryRunWhatItHasAlone) {
     fitness.insert(result->fitness);
     EXPECT_GT(result->distinct, 0.0);
     EXPECT_LE(result->distinct, 1.0);
+    EXPECT_GT(result->meanings, 0.0);
+    EXPECT_LT(result->meanings, result->distinct) << "different trees often mean the same";
     EXPECT_EQ(result->nodes, result->tree.size());
   }
   EXPECT_GT(fitness.size(), 1U);
@@ -92,7 +94,9 @@ TEST_F(SweepOnSmallChain, IsReportedSettingBySettingWithoutThoseThatHaveNoRun) {
   EXPECT_EQ(table.find("ga.mutation=0.5"), std::string::npos) << table;
   const std::string csv = runs_csv(plan_, results, chain_.vocabulary());
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
-  EXPECT_EQ(csv.rfind("ga.mutation,seed,coverage,agreement,fitness,nodes,distinct,seconds,tree\n0.1,1,", 0), 0U) << csv;
+  EXPECT_EQ(csv.rfind("ga.mutation,seed,coverage,agreement,fitness,nodes,distinct,meanings,seconds,tree\n0.1,1,", 0),
+            0U)
+      << csv;
   const auto plot = plot_of(plan_, results, "it's a title");
   ASSERT_TRUE(plot.has_value());
   EXPECT_EQ(plot->settings, std::vector<std::string>{"ga.mutation=0.1"});

@@ -21,7 +21,7 @@ class Sweep : public CommandLine {
     }
     return rows;
   }
-  static constexpr int kSecondsColumn = 7;
+  static constexpr int kSecondsColumn = 8;
   static std::size_t column(const std::string& row, int number) {
     std::size_t begin = 0;
     for (int i = 0; i < number; ++i) {

@@ -5,8 +5,8 @@ namespace {
 
 using WrongUse = CommandLine;
 
-const std::vector<std::string> kCommands = {"run",  "learn", "evolve", "score",   "prune",
-                                            "draw", "table", "info",   "evaluate"};
+const std::vector<std::string> kCommands = {"run",  "learn", "evolve", "score",    "prune",
+                                            "draw", "table", "info",   "evaluate", "refine"};
 
 TEST_F(WrongUse, EveryCommandExplainsItselfWithAnExample) {
   for (const std::string& name : kCommands) {
