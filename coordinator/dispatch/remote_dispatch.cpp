@@ -196,6 +196,9 @@ Result<void> RemoteDispatch::act() {
     }
     return tl::unexpected(*std::exchange(taken_back_, std::nullopt));
   }
+  if (stop_.raised()) {  // perhaps while an answer was checked: what was settled since may be a lie
+    return interrupted();
+  }
   const auto now = Clock::now();
   if (auto ok = tend(now); !ok) {
     return ok;
@@ -356,7 +359,7 @@ bool RemoteDispatch::agrees(WorkerId from, const std::vector<Tally>& tallies, co
   }
   const auto truth = cross_check_.evaluate(trees, request.job());
   if (!truth) {
-    return true;  // interrupted: act() says so next, and nothing counts any more
+    return true;  // interrupted: act() says so, and nothing that is open counts any more
   }
   statistics_.cross_checked += chosen.size();
   for (std::size_t i = 0; i < chosen.size(); ++i) {
@@ -378,14 +381,11 @@ void RemoteDispatch::quarantine(WorkerId from) {
     for (const std::uint32_t place : places) {
       trees.push_back(open.request.sent_tree(place));
     }
+    again += places.size();
     auto truth = cross_check_.evaluate(trees, open.request.job());
-    if (!truth) {
-      return;  // interrupted
-    }
-    for (std::size_t i = 0; i < places.size(); ++i) {
+    for (std::size_t i = 0; truth && i < places.size(); ++i) {  // else interrupted, see agrees()
       open.request.settle(places[i], std::move((*truth)[i]), WorkerId{});
     }
-    again += places.size();
   }
   const std::uint64_t earlier =
       cross_check_.unchecked(from) - std::min<std::uint64_t>(again, cross_check_.unchecked(from));

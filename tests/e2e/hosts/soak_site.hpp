@@ -1,5 +1,5 @@
-// What a soak runs on: hosts where they can be built, a small disk, workers that come and go by one source of chance, and
-// a coordinator that can be ended and resumed at any moment.
+// What a soak runs on: hosts where they can be built, a small disk, workers that come and go by one source of chance,
+// and a coordinator that can be ended and resumed at any moment.
 #pragma once
 
 #include <filesystem>
