@@ -44,10 +44,11 @@ class CrossCheck {
   std::size_t sampled() const { return last_sample_.size(); }
 
   // Whether a sample of an answer comes out here as the worker said; the answer is to what `request` sent from its
-  // place `first` on. True, too, when the evaluation here is interrupted.
+  // place `first` on. True, too, when the evaluation here was interrupted: whoever asks looks at the stop flag
+  // afterwards, and believes nothing that is open.
   bool agrees(WorkerId from, std::span<const Tally> tallies, const RemoteRequest& request, std::uint32_t first);
-  // Evaluates here what counts as that worker said. Returns how many. Errors: interrupted.
-  Result<std::size_t> redo(RemoteRequest& request, WorkerId from);
+  // Evaluates here what counts as that worker said, unless interrupted, as agrees(). Returns how many.
+  std::size_t redo(RemoteRequest& request, WorkerId from);
 
   // Individuals that counted as the worker said, without a look.
   void took_unchecked(WorkerId worker, std::uint32_t individuals) { records_[worker].unchecked += individuals; }

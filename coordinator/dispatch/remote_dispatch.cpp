@@ -155,6 +155,9 @@ Result<void> RemoteDispatch::act() {
     }
     return tl::unexpected(*std::exchange(taken_back_, std::nullopt));
   }
+  if (stop_.raised()) {  // perhaps while an answer was checked: what was settled since may be a lie
+    return interrupted();
+  }
   const auto now = Clock::now();
   if (auto ok = tend(now); !ok) {
     return ok;
@@ -305,16 +308,7 @@ void RemoteDispatch::settle(const wire::Answer& answer) {
 // it is evaluated again here, earlier ones are taken back.
 void RemoteDispatch::quarantine(WorkerId from) {
   std::size_t again = 0;
-  Result<std::size_t> redone = 0;
-  requests_.for_each([&](RemoteRequest& request) {
-    if (redone) {
-      redone = cross_check_.redo(request, from);
-      again += redone.value_or(0);
-    }
-  });
-  if (!redone) {
-    return;  // interrupted: act() says so next, and nothing counts any more
-  }
+  requests_.for_each([&](RemoteRequest& request) { again += cross_check_.redo(request, from); });
   const std::uint64_t earlier =
       cross_check_.unchecked(from) - std::min<std::uint64_t>(again, cross_check_.unchecked(from));
   const RemoteWorker* const worker = fleet_.find(from);

@@ -1,5 +1,5 @@
-// The requests that are open and where their trees are in the books: a portion of a request is a generation of InFlight.
-// Without DDS; belongs to the dispatching thread.
+// The requests that are open and where their trees are in the books: a portion of a request is a generation of
+// InFlight. Without DDS; belongs to the dispatching thread.
 #pragma once
 
 #include <cstdint>

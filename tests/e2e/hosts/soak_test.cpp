@@ -32,6 +32,7 @@ class Soak : public SoakSite {
   void SetUp() override {
     SoakSite::SetUp();
     list_faults();
+    keep_only_those_asked_for();
   }
 
   // Each ends before the next begins, but for strangers and datagrams; nothing is away for good.
@@ -112,6 +113,18 @@ class Soak : public SoakSite {
     }
   }
 
+  // Some only, to look for what they do together.
+  void keep_only_those_asked_for() {
+    const char* const asked = std::getenv("COPPICE_SOAK_ONLY");  // names with commas between
+    if (asked == nullptr) {
+      return;
+    }
+    std::erase_if(faults_, [&](const auto& fault) {
+      return ("," + std::string(asked) + ",").find("," + fault.first + ",") == std::string::npos;
+    });
+    ASSERT_FALSE(faults_.empty()) << "no fault is named " << asked;
+  }
+
   void choose_chain() {
     const std::size_t chain = below(chains_.size());
     counts_["another chain held"] += chain != chain_ && !workers_.empty() ? 1 : 0;
@@ -131,6 +144,7 @@ class Soak : public SoakSite {
     }
     write("disk/study.coppice", chains_[chain_]);
     fill_up();
+    std::string history;  // of faults
     coordinate(settings);
     coordinator_->await_error("evolve: ");  // the run is in the study: it can be resumed
     while (coordinator_->running()) {
@@ -138,10 +152,13 @@ class Soak : public SoakSite {
       if (coordinator_->running()) {
         const auto& [name, happen] = faults_[below(faults_.size())];
         ++counts_[name];
+        history += name + "; ";
         happen();
       }
     }
     const Ending ending = coordinator_->wait();
+    SCOPED_TRACE("seed " + settings[1] + ", chain " + std::to_string(chain_) +
+                 (all_checked_ ? ", all checked; " : "; ") + history + "\n" + coordinator_->rest_of_error());
     ASSERT_EQ(status(), "finished") << "ended with exit code " << ending.exit_code.value_or(-1) << ", signal "
                                     << ending.signal << ": " << coordinator_->rest_of_error();
     expect_same_runs("disk/study.coppice", expected);
