@@ -10,7 +10,7 @@ namespace {
 
 class WorkerCache : public RemoteStudy {
  protected:
-  WorkerCache() { domain_ = "205"; }
+  WorkerCache() { domain_ = "209"; }
 
   void SetUp() override {
     // 13 MB, in 51 blocks.

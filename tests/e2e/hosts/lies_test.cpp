@@ -12,7 +12,7 @@ const std::vector<std::string> kSettings = {"--seed", "4", "--set", "ga.generati
 
 class Lies : public RemoteStudy {
  protected:
-  Lies() { domain_ = "206"; }
+  Lies() { domain_ = "208"; }
 
   // Its first answers are true. Without a pace, so that most of the work comes to it.
   Command liar(int honest) const { return {.program = COPPICE_LIAR, .arguments = {domain_, std::to_string(honest)}}; }
