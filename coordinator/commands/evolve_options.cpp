@@ -87,7 +87,8 @@ Json outcome_json(const Evolved& evolved, const DispatchStatistics& statistics, 
 
 // Of what the answer's agreement is a share.
 std::string measured_on(const Evolved& evolved, const RolloutConfig& rollout) {
-  switch (rollout.method) {
+  const bool last_only = rollout.method == Method::rollouts && !evolved.interrupted;
+  switch (last_only ? rollout.final_method : rollout.method) {
     case Method::rollouts:
       break;
     case Method::exact:

@@ -137,17 +137,27 @@ Result<void> check_config(const EvolveConfig& config, const Vocabulary& vocabula
       return ok;
     }
   }
+  if (rollout.final_method != Method::rollouts &&
+      (rollout.final_method != Method::exact || rollout.method != Method::rollouts)) {
+    return bad_input(
+        fmt::format("rollout.final_method is \"{}\" with rollout.method \"{}\": expected \"rollouts\", or \"exact\" "
+                    "after roll-outs",
+                    name_of(rollout.final_method), name_of(rollout.method)));
+  }
   if (rollout.schedule != Schedule::constant && rollout.acting != Acting::mixed) {
     return bad_input(
         fmt::format("rollout.schedule is \"{}\" with rollout.acting \"{}\": only a mixed acting policy has "
                     "a share that can change",
                     name_of(rollout.schedule), name_of(rollout.acting)));
   }
-  if (rollout.start != Start::initial && rollout.method != Method::rollouts) {
-    return bad_input(
-        fmt::format("rollout.start is \"{}\" with rollout.method \"{}\": only roll-outs start elsewhere than "
-                    "in the initial state",
-                    name_of(rollout.start), name_of(rollout.method)));
+  for (const auto& [key, method] :
+       {std::pair{"method", rollout.method}, std::pair{"final_method", rollout.final_method}}) {
+    if (rollout.start != Start::initial && method != Method::rollouts) {
+      return bad_input(
+          fmt::format("rollout.start is \"{}\" with rollout.{} \"{}\": only roll-outs start elsewhere than "
+                      "in the initial state",
+                      name_of(rollout.start), key, name_of(method)));
+    }
   }
   if (config.ga.search == Search::front && rollout.schedule != Schedule::constant) {
     return bad_input(
@@ -217,8 +227,10 @@ Job job_of(const EvolveConfig& config, std::vector<Objective> objectives, std::u
   const RolloutConfig& rollout = config.rollout;
   Job job;
   job.objectives = std::move(objectives);
-  if (rollout.method == Method::rollouts) {
-    job.rollouts = generation == kFinalGeneration ? rollout.final_rollouts : rollout.rollouts;
+  const bool last = generation == kFinalGeneration;
+  job.method = last && rollout.method == Method::rollouts ? rollout.final_method : rollout.method;
+  if (job.method == Method::rollouts) {
+    job.rollouts = last ? rollout.final_rollouts : rollout.rollouts;
     job.seed = config.seed;
     job.generation = generation;
   } else {
@@ -228,8 +240,7 @@ Job job_of(const EvolveConfig& config, std::vector<Objective> objectives, std::u
   job.acting = rollout.acting;
   job.policy_share = rollout.acting == Acting::mixed ? fixed_point_share(policy_share_in(config, generation)) : 0;
   job.start = rollout.start;
-  job.method = rollout.method;
-  job.gamma = rollout.method == Method::discounted ? fixed_point_share(rollout.gamma) : 0;
+  job.gamma = job.method == Method::discounted ? fixed_point_share(rollout.gamma) : 0;
   return job;
 }
 

@@ -75,7 +75,8 @@ struct RolloutConfig {
   double policy_share_end = 0.0;  // in the last generation, by the schedule
   Start start = Start::initial;
   Method method = Method::rollouts;
-  double gamma = 0.99;  // method discounted: step i weighs gamma^i
+  Method final_method = Method::rollouts;  // of the last comparison: rollouts, final_rollouts of them, or exact
+  double gamma = 0.99;                     // method discounted: step i weighs gamma^i
   bool operator==(const RolloutConfig&) const = default;
 };
 

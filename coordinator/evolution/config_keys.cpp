@@ -151,6 +151,7 @@ std::vector<ConfigKey> keys_of(EvolveConfig& config) {
       {"rollout", "policy_share_end", &rollout.policy_share_end, 0, 1},
       {"rollout", "start", &rollout.start, 0, 0},
       {"rollout", "method", &rollout.method, 0, 0},
+      {"rollout", "final_method", &rollout.final_method, 0, 0},
       {"rollout", "gamma", &rollout.gamma, 0, kMaxGamma},
       weight(ObjectiveKind::agreement, fitness.agreement),
       weight(ObjectiveKind::q_value, fitness.q_value),

@@ -121,8 +121,23 @@ TEST(Config, AFrontRefusesWhatItCannotKeep) {
             std::string::npos);
   EXPECT_NE(message({"rollout.schedule=linear"}).find("only a mixed acting policy"), std::string::npos);
   EXPECT_NE(message({"rollout.start=visits", "rollout.method=exact"}).find("only roll-outs"), std::string::npos);
+  EXPECT_NE(message({"rollout.start=visits", "rollout.final_method=exact"}).find("rollout.final_method"),
+            std::string::npos);
+  EXPECT_NE(message({"rollout.final_method=long_run"}).find("expected \"rollouts\", or \"exact\""), std::string::npos);
+  EXPECT_NE(message({"rollout.method=exact", "rollout.final_method=exact"}).find("after roll-outs"), std::string::npos);
   EXPECT_NE(message({"ga.search=front", "rollout.acting=mixed", "rollout.schedule=step"}).find("rollout.schedule"),
             std::string::npos);
+}
+
+TEST(Config, TheLastComparisonMayBeComputed) {
+  EvolveConfig config;
+  ASSERT_TRUE(apply_setting("rollout.final_method=exact", config));
+  EXPECT_EQ(job_of(config, {}, 7).method, Method::rollouts);
+  const Job last = job_of(config, {}, kFinalGeneration);
+  EXPECT_EQ(last.method, Method::exact);
+  EXPECT_EQ(last.rollouts, 1U);
+  EXPECT_EQ(last.seed, 0U);
+  EXPECT_EQ(last.steps, config.rollout.steps);
 }
 
 TEST(Config, FoundersAreTreesWithinTheLimits) {
