@@ -153,8 +153,8 @@ void add_front(CLI::App& app, Invocation& invocation) {
       ->capture_default_str();
   command->add_flag("--json", options->json, "The front as one JSON list");
   command->footer(
-      "A rule: best MEASURE [with MEASURE<=NUMBER and ...], with <=, >= or =; shares are from 0 to 1; a measure is\n"
-      "one that the run evaluated, nodes, or fitness.\n"
+      "A rule: best MEASURE [with MEASURE<=NUMBER and ...] [else best ...], with <=, >= or =; shares are from 0 to 1;\n"
+      "a measure is one that the run evaluated, nodes, or fitness.\n"
       "Examples:\n"
       "  coppice front uav.coppice --plot front.svg\n"
       "  coppice front uav.coppice --pick 'best return with nodes<=20 and coverage>=0.8' -o best.tree\n"

@@ -11,6 +11,7 @@ namespace coppice {
 namespace {
 
 constexpr std::string_view kFitness = "fitness";
+constexpr std::string_view kElse = "else";
 constexpr std::array<std::pair<std::string_view, Relation>, 3> kComparisons = {
     {{"<=", Relation::at_most}, {">=", Relation::at_least}, {"=", Relation::equal}}};
 
@@ -98,8 +99,10 @@ bool holds(const PickCondition& condition, const Front& front, const FrontMember
 
 }  // namespace
 
-Result<PickRule> parse_pick(std::string_view text) {
-  Words words(text);
+namespace {
+
+// Up to "else" or the end.
+Result<PickRule> parse_choice(Words& words) {
   PickRule rule;
   if (words.word() != "best") {
     return words.expected("a rule, such as 'best return with nodes<=20 and coverage>=0.8'");
@@ -114,9 +117,9 @@ Result<PickRule> parse_pick(std::string_view text) {
   }
   rule.best = *best;
   words.next();
-  for (std::string_view link = "with"; !words.at_end(); link = "and") {
+  for (std::string_view link = "with"; !words.at_end() && words.word() != kElse; link = "and") {
     if (words.word() != link) {
-      return words.expected(fmt::format("'{}', or the end", link));
+      return words.expected(fmt::format("'{}', '{}', or the end", link, kElse));
     }
     words.next();
     const auto condition = parse_condition(words);
@@ -124,6 +127,22 @@ Result<PickRule> parse_pick(std::string_view text) {
       return tl::unexpected(condition.error());
     }
     rule.conditions.push_back(*condition);
+  }
+  return rule;
+}
+
+}  // namespace
+
+Result<PickRule> parse_pick(std::string_view text) {
+  Words words(text);
+  Result<PickRule> rule = parse_choice(words);
+  while (rule && !words.at_end()) {
+    words.next();
+    auto next = parse_choice(words);
+    if (!next) {
+      return next;
+    }
+    rule->otherwise.push_back(std::move(*next));
   }
   return rule;
 }
@@ -160,6 +179,9 @@ std::optional<std::size_t> pick(const Front& front, const PickRule& rule) {
                         : member.fitness != rival.fitness ? member.fitness > rival.fitness
                                                           : member.tree.size() < rival.tree.size();
     chosen = better ? i : *chosen;
+  }
+  for (std::size_t i = 0; !chosen && i < rule.otherwise.size(); ++i) {
+    chosen = pick(front, rule.otherwise[i]);
   }
   return chosen;
 }

@@ -1,11 +1,13 @@
 // Which tree of a front is the one: a rule in words.
 //
 //   best return with nodes<=20 and coverage>=0.8 and collisions=0
+//   best return with collisions<=0 else best agreement
 //   best fitness
 //
-// rule = "best" measure ["with" condition {"and" condition}]; condition = measure ("<=" | ">=" | "=") number; a measure
-// is one of Measure, or fitness. The best is the largest value, of costs the smallest; ties: higher fitness, fewer
-// nodes, then earlier. A measure that a front does not have fits no condition.
+// rule = choice {"else" choice}, of which the first that a tree fits chooses;
+// choice = "best" measure ["with" condition {"and" condition}]; condition = measure ("<=" | ">=" | "=") number; a
+// measure is one of Measure, or fitness. The best is the largest value, of costs the smallest; ties: higher fitness,
+// fewer nodes, then earlier. A measure that a front does not have fits no condition.
 #pragma once
 
 #include <optional>
@@ -45,6 +47,7 @@ struct PickCondition {
 struct PickRule {
   std::optional<Measure> best;  // none: fitness
   std::vector<PickCondition> conditions;
+  std::vector<PickRule> otherwise = {};  // in turn, where no member fits
 };
 
 // Errors name the word found and what was expected.

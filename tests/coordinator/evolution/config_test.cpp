@@ -45,6 +45,7 @@ EvolveConfig unusual_config() {
                     0.25,
                     Start::uniform,
                     Method::discounted,
+                    Method::exact,
                     0.987654321};
   config.fitness = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 1.1, 1.2,
                     1.3, 1.4, 5.0, 6.0, 0.7, 8.5, 0.9, {{{"a=0", "d<=2"}, 8, -4}, {{}, 1, 0}}};

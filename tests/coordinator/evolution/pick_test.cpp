@@ -26,6 +26,15 @@ std::string refused(const char* rule) {
   return parsed ? "accepted" : parsed.error().message;
 }
 
+TEST(Pick, GoesOnToWhatIsSaidElse) {
+  EXPECT_EQ(picked("best return with coverage>=0.9 else best coverage with nodes<=3"), 1U);
+  EXPECT_EQ(picked("best return with coverage>=0.9 else best fitness with nodes<=0 else best coverage"), 2U);
+  EXPECT_EQ(picked("best fitness else best coverage"), 1U);
+  EXPECT_EQ(picked("best return with coverage>=0.9 else best coverage with nodes<=0"), 99U);
+  EXPECT_NE(refused("best fitness else").find("the rule ends"), std::string::npos) << refused("best fitness else");
+  EXPECT_NE(refused("best fitness else coverage").find("'coverage': expected a rule"), std::string::npos);
+}
+
 TEST(Pick, TakesTheBestOfThoseThatFit) {
   EXPECT_EQ(picked("best fitness"), 1U);
   EXPECT_EQ(picked("best coverage"), 2U);
@@ -46,11 +55,11 @@ TEST(Pick, FindsNothingWhereNothingFitsOrIsMeasured) {
 TEST(Pick, SaysWhatIsWrongWithARule) {
   EXPECT_EQ(refused(""), "the rule ends: expected a rule, such as 'best return with nodes<=20 and coverage>=0.8'");
   EXPECT_EQ(refused("best"), "the rule ends: expected a measure");
-  EXPECT_EQ(refused("best return if nodes<=3"), "'if': expected 'with', or the end");
+  EXPECT_EQ(refused("best return if nodes<=3"), "'if': expected 'with', 'else', or the end");
   EXPECT_EQ(refused("best return with nodes<3"), "'<': expected <=, >= or =");
   EXPECT_EQ(refused("best return with nodes<=three"), "'three': expected a number");
   EXPECT_EQ(refused("best return with nodes<=nan"), "'nan': expected a number");
-  EXPECT_EQ(refused("best return with nodes<=3 with"), "'with': expected 'and', or the end");
+  EXPECT_EQ(refused("best return with nodes<=3 with"), "'with': expected 'and', 'else', or the end");
   EXPECT_EQ(refused("best size").rfind("no measure 'size': expected one of agreement, ", 0), 0U);
 }
 
