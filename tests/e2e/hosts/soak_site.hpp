@@ -107,9 +107,23 @@ class SoakSite : public RemoteStudy {
     }
     pass_up_to(std::chrono::milliseconds(500));
     std::filesystem::remove(path("disk/filler"));
+    disk_was_full_ = true;
     if (!coordinator_->running()) {
       resume();
     }
+  }
+  // A coordinator that met a full disk may take its time to end, and is resumed then.
+  bool resumed_after_full_disk() {
+    if (!disk_was_full_) {
+      return false;
+    }
+    disk_was_full_ = false;
+    coordinator_->wait();
+    const bool ended = status() == "finished";
+    if (!ended) {
+      coordinate({"--resume"});
+    }
+    return !ended;
   }
 
   void end_coordinator(int signal) {
@@ -133,6 +147,7 @@ class SoakSite : public RemoteStudy {
   std::vector<std::string> chains_;  // studies, not evolved yet
   std::unique_ptr<Process> coordinator_;
   bool all_checked_ = false;
+  bool disk_was_full_ = false;      // in this evolution, since a coordinator was last resumed for it
   std::vector<std::string> doors_;  // of each worker: address and port
   std::size_t next_port_ = 0;
   std::vector<std::unique_ptr<Process>> strangers_;

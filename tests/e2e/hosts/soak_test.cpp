@@ -147,7 +147,8 @@ class Soak : public SoakSite {
     std::string history;  // of faults
     coordinate(settings);
     coordinator_->await_error("evolve: ");  // the run is in the study: it can be resumed
-    while (coordinator_->running()) {
+    disk_was_full_ = false;
+    while (coordinator_->running() || resumed_after_full_disk()) {
       pass_up_to(700ms);
       if (coordinator_->running()) {
         const auto& [name, happen] = faults_[below(faults_.size())];
