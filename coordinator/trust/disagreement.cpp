@@ -44,6 +44,7 @@ std::vector<double> weights_of(const Chain& chain, const std::vector<std::uint8_
       const auto& visits = chain.parts().visits;
       const double all = std::accumulate(visits.begin(), visits.end(), 0.0);
       std::vector<double> weights;
+      weights.reserve(visits.size());
       for (const std::uint64_t count : visits) {
         weights.push_back(all == 0.0 ? 0.0 : static_cast<double>(count) / all * settings.steps);
       }
@@ -268,8 +269,7 @@ Tree with_branch(const Tree& tree, const Tree& branch) {
   std::vector<Node> nodes{Node::composite(NodeKind::selector, tree.size() + branch.size() + (inside ? 0 : 1))};
   nodes.insert(nodes.end(), branch.nodes().begin(), branch.nodes().end());
   nodes.insert(nodes.end(), tree.nodes().begin() + (inside ? 1 : 0), tree.nodes().end());
-  Result<Tree> result = Tree::from_nodes(std::move(nodes));
-  return result ? std::move(*result) : tree;  // a tree at the limits of size or depth takes no branch
+  return Tree::from_nodes(std::move(nodes)).value_or(tree);  // a tree at the limits of size or depth takes no branch
 }
 
 }  // namespace coppice
