@@ -84,7 +84,8 @@ std::size_t ChainCache::resume(Assembly& assembly) {
   }
   writes_ = ::flock(file_, LOCK_EX | LOCK_NB) == 0;
   const bool readable = read_blocks(assembly, static_cast<std::size_t>(std::max<off_t>(status.st_size, 0)));
-  written_ = assembly.leading();
+  const std::size_t found = assembly.leading();
+  written_ = found;
   if (writes_) {
     // A block that was cut short by the end of its writer, and whatever is behind the chain's last byte.
     const std::size_t whole = std::min<std::size_t>(written_ * assembly.block_bytes(), assembly.size());
@@ -93,7 +94,8 @@ std::size_t ChainCache::resume(Assembly& assembly) {
     }
     ::futimens(file_, nullptr);  // used now; a clock that is wrong costs a transfer at worst
   }
-  return written_;
+  drop_oldest();  // also of chains that never came: whoever announces many must not fill the disk
+  return found;
 }
 
 // False: the file could not be read as far as it should go.
@@ -125,10 +127,7 @@ void ChainCache::keep(const Assembly& assembly) {
   }
 }
 
-void ChainCache::done() {
-  close();
-  drop_oldest();
-}
+void ChainCache::done() { close(); }
 
 void ChainCache::discard() {
   if (writes_) {

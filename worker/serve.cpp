@@ -287,8 +287,10 @@ Result<void> Server::finish_chain() {
   const ChainHash hash = assembly_->hash();
   auto chain = std::move(*assembly_).finish();
   assembly_.reset();
-  if (cache_ != nullptr) {
-    chain ? cache_->done() : cache_->discard();
+  if (cache_ != nullptr && chain) {
+    cache_->done();
+  } else if (cache_ != nullptr) {
+    cache_->discard();
   }
   if (!chain) {
     if (++failed_chains_ >= kMostFailedChains) {

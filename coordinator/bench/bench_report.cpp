@@ -76,10 +76,11 @@ std::string verdict(const std::vector<WorkloadScaling>& scaling, unsigned cores)
       text += fmt::format("{} cannot pay here, only cost: the serial path has the core to itself.\n", who);
       continue;
     }
+    const std::string who_pays = who + (any.team.workers == 1 ? " pays" : " pay");
     if (first == scaling.end()) {
-      text += fmt::format("{} pay in none of these workloads.", who);
+      text += fmt::format("{} in none of these workloads.", who_pays);
     } else {
-      text += fmt::format("{} pay from the workload '{}' on (a generation of {} serially: {:.2f} times as fast).", who,
+      text += fmt::format("{} from the workload '{}' on (a generation of {} serially: {:.2f} times as fast).", who_pays,
                           first->name, time_text(first->serial_seconds.median), row_of(*first)->speed_up.median);
     }
     const double worthwhile = worthwhile_seconds(scaling, any.team, cores);

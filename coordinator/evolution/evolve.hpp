@@ -81,7 +81,8 @@ Result<void> check_checkpoint(const Checkpoint& start, const GaConfig& ga, const
 
 // Evolves config.ga.generations generations, from the first or from after `start`. Fitness is sampled anew in every
 // generation, so a generation's best may owe it to luck: the answer is the champion that does best on one fixed,
-// larger sample (config.rollout.final_rollouts roll-outs, kFinalGeneration); ties: fewer nodes, then earlier.
+// larger sample (config.rollout.final_rollouts roll-outs, kFinalGeneration), or by what is computed
+// (config.rollout.final_method); ties: fewer nodes, then earlier.
 // A front search (ga.search) shares one sample among all generations (kFrontGeneration) and measures what it kept once
 // more on the final one: the front is what none other dominates there, the answer the one that front.pick chooses.
 // Errors: whatever the evaluator or a hook reports, except that `interrupted` ends the evolution with what there is,

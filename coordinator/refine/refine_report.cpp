@@ -53,9 +53,8 @@ std::string to_text(const std::vector<RefineRound>& rounds) {
     text += line.erase(line.find_last_not_of(' ') + 1) + '\n';
   }
   return text +
-         "+: what the walks of the round before's tree added to the chain; reward: an episode, in the simulator and "
-         "as\n"
-         "the round's chain expects it; nodes: after pruning on the chain; +- is a 95 % interval\n";
+         "+: what the walks of the round before's tree added to the chain; reward: an episode, in the simulator\n"
+         "and as the round's chain expects it; nodes: after pruning on the chain; +- is a 95 % interval\n";
 }
 
 nlohmann::ordered_json to_json(const std::vector<RefineRound>& rounds) {

@@ -5,14 +5,10 @@
 #include "common/check.hpp"
 #include "common/tree/text.hpp"
 #include "coordinator/study/database.hpp"
+#include "coordinator/study/study_rows.hpp"
 #include "coordinator/study/study_state.hpp"
 
 namespace coppice {
-namespace {
-
-std::int64_t number(RunId run) { return static_cast<std::int64_t>(run); }
-
-}  // namespace
 
 Result<void> Study::save_front(RunId run, const Front& front) {
   return guarded(state_->path, [&]() -> Result<void> {
@@ -49,8 +45,8 @@ Result<Front> Study::front(RunId run) const {
     Front found;
     while (select.executeStep()) {
       const auto row = [&](const std::string& what) {
-        return tl::unexpected(damaged(
-            state_->path, fmt::format("run {}, front, position {}: {}", number(run), found.members.size(), what)));
+        return tl::unexpected(
+            damaged(state_->path, fmt::format("{}, front, position {}: {}", label(run), found.members.size(), what)));
       };
       auto tree = parse_tree(select.getColumn(1).getString(), vocabulary);
       if (!tree || select.getColumn(0).getUInt() != found.members.size()) {
