@@ -107,7 +107,7 @@ Lane::Outcome Lane::evaluate(const wire::Task& task) {
   if (chain == nullptr) {
     return {.kind = coppice_wire_CHAIN_UNKNOWN};
   }
-  const auto decoded = wire::decode_task(wire::view(task.payload), chain->chain().vocabulary());
+  auto decoded = decode(chain, task);
   if (!decoded) {
     spdlog::warn("refused a task: {}", wire::shown(decoded.error().message.c_str()));
     return {.kind = coppice_wire_REFUSED, .payload = as_bytes(decoded.error().message)};
@@ -133,6 +133,7 @@ Lane::Outcome Lane::evaluate(const wire::Task& task) {
     }
     state_.evaluated.fetch_add(count, std::memory_order_relaxed);
   }
+  decoder_->recycle(std::move(*decoded));
   auto payload = wire::encode_tallies(tallies);
   if (payload.size() > wire::kMaxTaskPayload) {
     return {.kind = coppice_wire_REFUSED, .payload = as_bytes("the answer would be larger than the contract allows")};
@@ -152,6 +153,14 @@ bool Lane::pass_time(Clock::time_point begin, std::size_t individuals) {
   const auto now = Clock::now();
   free_ = std::max(due, now - kMostLag);
   return due <= now || state_.rest_until(due);
+}
+
+Result<wire::DecodedTask> Lane::decode(const std::shared_ptr<const PreparedChain>& chain, const wire::Task& task) {
+  if (decoder_chain_ != chain) {
+    decoder_chain_ = chain;
+    decoder_.emplace(chain->chain().vocabulary());
+  }
+  return decoder_->decode(wire::view(task.payload));
 }
 
 Result<void> Lane::prepare(const std::shared_ptr<const PreparedChain>& chain, const Job& job) {

@@ -73,13 +73,16 @@ class Lane {
   void take_one(const wire::Task& task);
   Outcome evaluate(const wire::Task& task);
   bool pass_time(Clock::time_point begin, std::size_t individuals);
+  Result<wire::DecodedTask> decode(const std::shared_ptr<const PreparedChain>& chain, const wire::Task& task);
   Result<void> prepare(const std::shared_ptr<const PreparedChain>& chain, const Job& job);
 
   WorkerState& state_;
   wire::Waiter waiter_;
   const wire::Reader<wire::Task>& tasks_;
   wire::Writer<wire::Answer>& answers_;
-  std::shared_ptr<const PreparedJob> job_;  // of the last task: the next one usually has the same
+  std::shared_ptr<const PreparedChain> decoder_chain_;
+  std::optional<wire::TaskDecoder> decoder_;  // for that chain's tasks
+  std::shared_ptr<const PreparedJob> job_;    // of the last task: the next one usually has the same
   std::optional<Evaluation> evaluation_;
   Clock::time_point free_;  // since when it could have begun the next task
   std::thread thread_;

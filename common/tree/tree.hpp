@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "common/error.hpp"
@@ -21,6 +22,9 @@ class Tree {
 
   // Errors: nodes empty or too many, extents that do not add up, a composite without children, too deep.
   static Result<Tree> from_nodes(std::vector<Node> nodes);
+
+  // Gives up the nodes, so that their memory can be used again.
+  std::vector<Node> take_nodes() && { return std::move(nodes_); }
 
   std::size_t size() const { return nodes_.size(); }
   std::span<const Node> nodes() const { return nodes_; }

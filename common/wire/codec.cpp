@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstddef>
 #include <cstring>
 #include <fmt/format.h>
+#include <type_traits>
+#include <utility>
 
 #include "common/check.hpp"
 
@@ -161,79 +165,68 @@ Result<Job> get_job(ByteReader& reader) {
   return job;
 }
 
-// A tree's nodes are most of a task: they are read and written by plain pointers.
+// A tree's nodes are most of a task, and what comes next is a guess that a processor loses at every third node: they
+// are read and written without a branch on it, in words of four bytes of which two or three count.
+constexpr std::size_t kWord = sizeof(std::uint32_t);
+
+std::size_t encoded_size(NodeKind kind) { return kind == NodeKind::action ? 2 : 3; }
+
+// Writes up to a word's rest past the end.
 std::uint8_t* write_tree(const Tree& tree, std::uint8_t* at) {
   const auto count = static_cast<std::uint16_t>(tree.size());
   std::memcpy(at, &count, sizeof(count));
   at += sizeof(count);
   for (const Node& node : tree.nodes()) {
-    *at++ = static_cast<std::uint8_t>(static_cast<unsigned>(node.kind) | static_cast<unsigned>(node.op) << kOpShift);
-    if (node.is_composite()) {
-      std::memcpy(at, &node.extent, sizeof(node.extent));
-      at += sizeof(node.extent);
-    } else {
-      *at++ = node.index;
-      if (node.kind == NodeKind::condition) {
-        *at++ = node.value;
-      }
-    }
+    const auto tag = static_cast<unsigned>(node.kind) | static_cast<unsigned>(node.op) << kOpShift;
+    const unsigned leaf = node.index | static_cast<unsigned>(node.value) << 8U;
+    const std::uint32_t word = tag | (node.is_composite() ? node.extent : leaf) << 8U;
+    std::memcpy(at, &word, sizeof(word));
+    at += encoded_size(node.kind);
   }
   return at;
 }
 
-// Reads one tree from the front of `bytes`, and takes it off.
-Result<Tree> read_tree(std::span<const std::uint8_t>& bytes, const Vocabulary& vocabulary) {
-  constexpr std::size_t kMostNodeBytes = 3;
-  ByteReader reader(bytes.first(std::min(bytes.size(), sizeof(std::uint16_t))));
-  const auto count = reader.get<std::uint16_t>();
-  if (!reader.ok()) {
-    return bad_input("tree is cut short");
+// What follows the last byte reads as 0. REQUIRES: at < bytes.size().
+std::uint32_t word_at(std::span<const std::uint8_t> bytes, std::size_t at) {
+  std::uint32_t word = 0;
+  if (const std::size_t left = bytes.size() - at; left >= kWord) {
+    std::memcpy(&word, bytes.data() + at, kWord);
+  } else {
+    std::memcpy(&word, bytes.data() + at, left);
   }
-  if (count > kMaxTreeNodes) {
-    return bad_input(fmt::format("tree has {} nodes: expected at most {}", count, kMaxTreeNodes));
+  return word;
+}
+
+// How a node lies in the word that begins with a tag, and how in memory: kind, operator, index and value, then extent.
+struct Layout {
+  std::uint8_t bytes = 0;      // of the word; 0: no node begins with this tag
+  std::uint32_t head = 0;      // kind and operator
+  std::uint32_t operands = 0;  // mask: index and value
+  std::uint16_t span = 0;      // mask: extent
+  std::uint16_t extent = 0;    // where the word has none
+};
+constexpr std::size_t kTags = 8;
+constexpr std::array<Layout, kTags> kLayouts = [] {
+  std::array<Layout, kTags> layouts{};
+  for (const unsigned kind : {0U, 1U}) {
+    layouts[kind] = {3, kind, 0, 0xFFFF, 0};
   }
-  const std::uint8_t* at = bytes.data() + sizeof(count);
-  const std::uint8_t* const end = bytes.data() + bytes.size();
-  std::vector<Node> nodes;
-  nodes.reserve(std::min<std::size_t>(count, bytes.size()));
-  for (std::uint16_t i = 0; i < count; ++i) {
-    std::array<std::uint8_t, kMostNodeBytes> last{};
-    const auto left = static_cast<std::size_t>(end - at);
-    const std::uint8_t* node = at;
-    if (left < kMostNodeBytes) {
-      std::copy(at, end, last.begin());
-      node = last.data();
-    }
-    const auto kind = static_cast<NodeKind>(node[0] & kKindMask);
-    const unsigned op = node[0] >> kOpShift;
-    const std::size_t size = kind == NodeKind::action ? 2 : kMostNodeBytes;
-    if (left == 0) {
-      return bad_input("tree is cut short");
-    }
-    if (op > 1 || (op == 1 && kind != NodeKind::condition)) {
-      return unknown_node(node[0]);
-    }
-    if (left < size) {
-      return bad_input("tree is cut short");
-    }
-    at += size;
-    if (kind == NodeKind::action) {
-      nodes.push_back(Node::action(ActionId{node[1]}));
-    } else if (kind == NodeKind::condition) {
-      nodes.push_back(Node::condition(node[1], static_cast<Op>(op), node[2]));
-    } else {
-      nodes.push_back(Node::composite(kind, static_cast<std::size_t>(node[1] | node[2] << 8)));
-    }
+  for (const unsigned op : {0U, 1U}) {
+    layouts[2U | op << kOpShift] = {3, 2U | op << 8U, 0xFFFF, 0, 1};
   }
-  bytes = bytes.last(static_cast<std::size_t>(end - at));
-  auto tree = Tree::from_nodes(std::move(nodes));
-  if (!tree) {
-    return tree;
-  }
-  if (auto ok = check_tree(*tree, vocabulary); !ok) {
-    return tl::unexpected(ok.error());
-  }
-  return tree;
+  layouts[3] = {2, 3, 0xFF, 0, 1};
+  return layouts;
+}();
+static_assert(sizeof(Node) == 6 && std::is_trivially_copyable_v<Node> && offsetof(Node, index) == 2 &&
+              offsetof(Node, value) == 3 && offsetof(Node, extent) == 4);
+
+Node node_of(std::uint32_t word, const Layout& layout) {
+  const std::uint32_t rest = word >> 8U;
+  const std::uint64_t head = layout.head | (rest & layout.operands) << 16U;
+  const std::uint64_t whole = head | std::uint64_t{(rest & layout.span) | layout.extent} << 32U;
+  std::array<std::uint8_t, sizeof(Node)> bytes;
+  std::memcpy(bytes.data(), &whole, sizeof(Node));
+  return std::bit_cast<Node>(bytes);
 }
 
 template <typename TreeAt>
@@ -242,30 +235,24 @@ std::vector<std::uint8_t> encode(const Job& job, std::size_t trees, const TreeAt
   ByteWriter writer;
   put_job(job, writer);
   writer.put(static_cast<std::uint32_t>(trees));
-  std::size_t size = 0;
-  for (std::size_t i = 0; i < trees; ++i) {
-    size += encoded_size(tree_at(i));
-  }
   std::vector<std::uint8_t> bytes = writer.take();
   const std::size_t head = bytes.size();
-  bytes.resize(head + size);
+  std::size_t most = head + kWord;
+  for (std::size_t i = 0; i < trees; ++i) {
+    most += most_encoded_bytes(tree_at(i).size());
+  }
+  bytes.resize(most);
   std::uint8_t* at = bytes.data() + head;
   for (std::size_t i = 0; i < trees; ++i) {
     at = write_tree(tree_at(i), at);
   }
-  COPPICE_CHECK(at == bytes.data() + bytes.size());
+  const auto size = static_cast<std::size_t>(at - bytes.data());
+  COPPICE_CHECK(size <= most);
+  bytes.resize(size);
   return bytes;
 }
 
 }  // namespace
-
-std::size_t encoded_size(const Tree& tree) {
-  std::size_t size = sizeof(std::uint16_t);
-  for (const Node& node : tree.nodes()) {
-    size += node.kind == NodeKind::action ? 2 : 3;
-  }
-  return size;
-}
 
 std::vector<std::uint8_t> encode_task(const Job& job, std::span<const Tree> trees) {
   return encode(job, trees.size(), [&](std::size_t i) -> const Tree& { return trees[i]; });
@@ -276,7 +263,7 @@ std::vector<std::uint8_t> encode_task(const Job& job, std::span<const Tree> tree
   return encode(job, places.size(), [&](std::size_t i) -> const Tree& { return trees[places[i]]; });
 }
 
-Result<DecodedTask> decode_task(std::span<const std::uint8_t> payload, const Vocabulary& vocabulary) {
+Result<DecodedTask> TaskDecoder::decode(std::span<const std::uint8_t> payload) {
   ByteReader reader(payload);
   auto job = get_job(reader);
   if (!job) {
@@ -286,14 +273,14 @@ Result<DecodedTask> decode_task(std::span<const std::uint8_t> payload, const Voc
   if (count > kMaxTreesPerTask) {
     return bad_input(fmt::format("task has {} trees: expected at most {}", count, kMaxTreesPerTask));
   }
-  DecodedTask task{std::move(*job), {}};
+  DecodedTask task{std::move(*job), std::exchange(trees_, {})};
   task.trees.reserve(std::min<std::size_t>(count, reader.left()));
   if (!reader.ok()) {
     return bad_input("task is cut short");
   }
   std::span<const std::uint8_t> rest = payload.last(reader.left());
   for (std::uint32_t i = 0; i < count; ++i) {
-    auto tree = read_tree(rest, vocabulary);
+    auto tree = read_tree(rest);
     if (!tree) {
       return in_context(fmt::format("tree {}", i), tree.error());
     }
@@ -303,6 +290,61 @@ Result<DecodedTask> decode_task(std::span<const std::uint8_t> payload, const Voc
     return bad_input(fmt::format("{} bytes follow the task", rest.size()));
   }
   return task;
+}
+
+void TaskDecoder::recycle(DecodedTask&& task) {
+  for (Tree& tree : task.trees) {
+    nodes_.push_back(std::move(tree).take_nodes());
+  }
+  task.trees.clear();
+  trees_ = std::move(task.trees);
+}
+
+// Reads one tree from the front of `bytes`, and takes it off.
+Result<Tree> TaskDecoder::read_tree(std::span<const std::uint8_t>& bytes) {
+  ByteReader reader(bytes.first(std::min(bytes.size(), sizeof(std::uint16_t))));
+  const auto count = reader.get<std::uint16_t>();
+  if (!reader.ok()) {
+    return bad_input("tree is cut short");
+  }
+  if (count > kMaxTreeNodes) {
+    return bad_input(fmt::format("tree has {} nodes: expected at most {}", count, kMaxTreeNodes));
+  }
+  std::vector<Node> nodes;
+  if (!nodes_.empty()) {
+    nodes = std::move(nodes_.back());
+    nodes_.pop_back();
+  }
+  std::size_t at = sizeof(count);
+  // A node takes two bytes at least.
+  nodes.resize(std::min<std::size_t>(count, bytes.size() / 2));
+  if (nodes.size() < count) {
+    return bad_input("tree is cut short");
+  }
+  for (Node& node : nodes) {
+    if (at == bytes.size()) {
+      return bad_input("tree is cut short");
+    }
+    const std::uint32_t word = word_at(bytes, at);
+    const auto tag = static_cast<std::uint8_t>(word);
+    if (tag >= kTags || kLayouts[tag].bytes == 0) {
+      return unknown_node(tag);
+    }
+    node = node_of(word, kLayouts[tag]);
+    at += kLayouts[tag].bytes;
+    if (at > bytes.size()) {
+      return bad_input("tree is cut short");
+    }
+  }
+  bytes = bytes.subspan(at);
+  auto tree = Tree::from_nodes(std::move(nodes));
+  if (!tree) {
+    return tree;
+  }
+  if (auto ok = checker_.check(*tree); !ok) {
+    return tl::unexpected(ok.error());
+  }
+  return tree;
 }
 
 std::size_t encoded_tally_size(std::size_t objectives) {

@@ -20,13 +20,14 @@
 #include "common/error.hpp"
 #include "common/fitness/job.hpp"
 #include "common/tree/tree.hpp"
+#include "common/tree/tree_checker.hpp"
 
 namespace coppice::wire {
 
 inline constexpr std::size_t kMaxTreesPerTask = 65536;
 
-// Bytes that encode_task() spends on one tree.
-std::size_t encoded_size(const Tree& tree);
+// Bytes that encode_task() spends at most on a tree of so many nodes.
+constexpr std::size_t most_encoded_bytes(std::size_t nodes) { return 2 + 3 * nodes; }
 
 // REQUIRES: trees.size() <= kMaxTreesPerTask.
 std::vector<std::uint8_t> encode_task(const Job& job, std::span<const Tree> trees);
@@ -38,7 +39,24 @@ struct DecodedTask {
   Job job;
   std::vector<Tree> trees;
 };
-Result<DecodedTask> decode_task(std::span<const std::uint8_t> payload, const Vocabulary& vocabulary);
+
+// For tasks that come one after another on one chain. Belongs to one thread.
+class TaskDecoder {
+ public:
+  // The vocabulary must outlive it.
+  explicit TaskDecoder(const Vocabulary& vocabulary) : checker_(vocabulary) {}
+
+  Result<DecodedTask> decode(std::span<const std::uint8_t> payload);
+  // Takes back a task that is done with: the next one uses its memory.
+  void recycle(DecodedTask&& task);
+
+ private:
+  Result<Tree> read_tree(std::span<const std::uint8_t>& bytes);
+
+  TreeChecker checker_;
+  std::vector<Tree> trees_;  // without elements
+  std::vector<std::vector<Node>> nodes_;
+};
 
 // Bytes that encode_tallies() spends on one tally.
 std::size_t encoded_tally_size(std::size_t objectives);

@@ -52,6 +52,13 @@ std::string to_text(const WorkloadScaling& scaling) {
                       "bytes/ind", "busy");
   text += fmt::format(kRow, "serial", time_text(scaling.serial_seconds),
                       rate_text(individuals / scaling.serial_seconds.median), "1.00", "", "", "", "", "", "");
+  if (scaling.abreast > 1) {
+    text += fmt::format(
+        kRow, fmt::format("{} serial", scaling.abreast), time_text(scaling.abreast_seconds),
+        rate_text(individuals / scaling.abreast_seconds.median), fmt::format("{:.2f}", scaling.abreast_speed_up.median),
+        fmt::format("{:.0f}%", 100.0 * scaling.abreast_speed_up.median / static_cast<double>(scaling.abreast)), "", "",
+        "", "", "");
+  }
   for (const ScalingRow& row : scaling.rows) {
     text += fmt::format(kRow, row.team.name(), time_text(row.seconds), rate_text(individuals / row.seconds.median),
                         fmt::format("{:.2f}", row.speed_up.median), fmt::format("{:.0f}%", 100.0 * row.efficiency),
@@ -90,9 +97,11 @@ std::string verdict(const std::vector<WorkloadScaling>& scaling, unsigned cores)
   }
   return text +
          fmt::format(
-             "generation: median and half the distance of the quartiles. overhead: beyond serial / min(threads, {} "
-             "cores).\nbare DDS: the same batches, answered at once without evaluation. bytes/ind: payload, both ways. "
-             "busy: the\ncoordinator's process, of one core. Every tally was equal to the serial one.\n",
+             "generation: median and half the distance of the quartiles. N serial: serial paths at once, each with "
+             "generations of\nits own: what the cores give where nothing is dispatched. overhead: beyond serial / "
+             "min(threads, {} cores). bare DDS: the\nsame batches, answered at once without evaluation. bytes/ind: "
+             "payload, both ways. busy: the coordinator's process, of\none core. Every tally was equal to the serial "
+             "one.\n",
              cores);
 }
 
@@ -168,6 +177,10 @@ std::string to_json(const Machine& machine, const ScalingSettings& settings,
          {"serial",
           {{"generation_seconds", json_of(workload.serial_seconds)},
            {"evaluations_per_second", static_cast<double>(workload.individuals) / workload.serial_seconds.median}}},
+         {"serial_abreast",
+          {{"paths", workload.abreast},
+           {"generation_seconds", json_of(workload.abreast_seconds)},
+           {"speed_up", json_of(workload.abreast_speed_up)}}},
          {"workers", rows}});
   }
   Json pays = Json::array();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <thread>
 
 #include "coordinator/dispatch/remote_echo.hpp"
 #include "coordinator/dispatch/remote_evaluator.hpp"
@@ -83,9 +84,29 @@ Result<Generations> evaluate(Evaluator& evaluator, const Workload& workload, std
   return generations;
 }
 
+using SerialPaths = std::vector<std::unique_ptr<Evaluator>>;
+
+// As many as the largest team can use cores.
+Result<SerialPaths> serial_paths(const std::shared_ptr<const Chain>& chain, const ScalingSettings& settings,
+                                 const StopFlag& stop) {
+  std::size_t most = 1;
+  for (const Team& team : settings.teams) {
+    most = std::max(most, std::min<std::size_t>(team.lanes(), settings.cores));
+  }
+  SerialPaths paths;
+  while (paths.size() < most) {
+    auto path = SerialEvaluator::make(chain, stop);
+    if (!path) {
+      return tl::unexpected(path.error());
+    }
+    paths.push_back(std::move(*path));
+  }
+  return paths;
+}
+
 class WorkloadMeasurement {
  public:
-  WorkloadMeasurement(const Workload& workload, const ScalingSettings& settings, Evaluator& serial,
+  WorkloadMeasurement(const Workload& workload, const ScalingSettings& settings, const SerialPaths& serial,
                       std::vector<Contender>& contenders)
       : workload_(workload),
         settings_(settings),
@@ -108,13 +129,16 @@ class WorkloadMeasurement {
 
   Result<void> repeat(std::uint32_t first, bool counts) {
     const Stopwatch watch;
-    const auto expected = evaluate(serial_, workload_, first);
+    const auto expected = evaluate(*serial_.front(), workload_, first);
     const double serial = per_generation(watch.seconds());
     if (!expected) {
       return tl::unexpected(expected.error());
     }
+    const double abreast = per_generation(evaluate_abreast(first)) / static_cast<double>(serial_.size());
     if (counts) {
       serial_seconds_.push_back(serial);
+      abreast_seconds_.push_back(abreast);
+      abreast_speed_up_.push_back(serial / abreast);
     }
     for (std::size_t i = 0; i < contenders_.size(); ++i) {
       Samples sample;
@@ -126,6 +150,19 @@ class WorkloadMeasurement {
       }
     }
     return {};
+  }
+
+  double evaluate_abreast(std::uint32_t first) const {
+    const Stopwatch watch;
+    std::vector<std::thread> threads;
+    threads.reserve(serial_.size());
+    for (const auto& path : serial_) {
+      threads.emplace_back([&] { static_cast<void>(evaluate(*path, workload_, first)); });
+    }
+    for (std::thread& thread : threads) {
+      thread.join();
+    }
+    return watch.seconds();
   }
 
   Result<void> measure(Contender& contender, std::uint32_t first, const Generations& expected, double serial,
@@ -184,8 +221,15 @@ class WorkloadMeasurement {
   }
 
   WorkloadScaling result() const {
-    WorkloadScaling scaling{workload_.name,      workload_.trees.size(),     workload_.job.rollouts,
-                            workload_.job.steps, spread_of(serial_seconds_), {}};
+    WorkloadScaling scaling{workload_.name,
+                            workload_.trees.size(),
+                            workload_.job.rollouts,
+                            workload_.job.steps,
+                            spread_of(serial_seconds_),
+                            serial_.size(),
+                            spread_of(abreast_seconds_),
+                            spread_of(abreast_speed_up_),
+                            {}};
     const double generations = static_cast<double>(workload_.generations) * settings_.repetitions;
     for (std::size_t i = 0; i < contenders_.size(); ++i) {
       const Samples& samples = samples_[i];
@@ -207,9 +251,11 @@ class WorkloadMeasurement {
 
   const Workload& workload_;
   const ScalingSettings& settings_;
-  Evaluator& serial_;
+  const SerialPaths& serial_;
   std::vector<Contender>& contenders_;
   std::vector<double> serial_seconds_;
+  std::vector<double> abreast_seconds_;
+  std::vector<double> abreast_speed_up_;
   std::vector<Samples> samples_;
 };
 
@@ -223,7 +269,7 @@ Result<std::vector<WorkloadScaling>> measure_scaling(const std::shared_ptr<const
                                                      const std::vector<Workload>& workloads,
                                                      const ScalingSettings& settings, const StopFlag& stop,
                                                      const std::function<void(const WorkloadScaling&)>& done) {
-  const auto serial = SerialEvaluator::make(chain, stop);
+  const auto serial = serial_paths(chain, settings, stop);
   if (!serial) {
     return tl::unexpected(serial.error());
   }
@@ -233,7 +279,7 @@ Result<std::vector<WorkloadScaling>> measure_scaling(const std::shared_ptr<const
   }
   std::vector<WorkloadScaling> all;
   for (const Workload& workload : workloads) {
-    auto scaling = WorkloadMeasurement(workload, settings, **serial, *contenders).run();
+    auto scaling = WorkloadMeasurement(workload, settings, *serial, *contenders).run();
     if (!scaling) {
       return tl::unexpected(scaling.error());
     }

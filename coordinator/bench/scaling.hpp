@@ -1,5 +1,6 @@
-// What workers gain and what they cost: every workload on the serial path, on N workers, and its batches on the bare
-// transport, in turn and repeatedly, in one process on one machine. Every remote tally is compared with the serial one.
+// What workers gain and what they cost: every workload on the serial path, on several serial paths at once (what these
+// cores give where nothing is dispatched), on N workers, and its batches on the bare transport, in turn and repeatedly,
+// in one process on one machine. Every remote tally is compared with the serial one.
 #pragma once
 
 #include <cstddef>
@@ -55,6 +56,9 @@ struct WorkloadScaling {
   std::uint32_t rollouts = 0;
   std::uint32_t steps = 0;
   Spread serial_seconds;
+  std::size_t abreast = 0;  // serial paths at once, each with generations of its own: as many as cores are used
+  Spread abreast_seconds;   // over `abreast`
+  Spread abreast_speed_up;  // serial / this, repetition by repetition
   std::vector<ScalingRow> rows;
 };
 

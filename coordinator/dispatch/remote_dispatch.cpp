@@ -194,12 +194,12 @@ void RemoteDispatch::listen() {
   dds_.hellos.take(kMostPerTake,
                    [this](const wire::Hello& hello, const dds_sample_info_t& info) { fleet_.hear(hello, info); });
   dds_.requests.take(kMostPerTake, [this](const wire::ChainRequest& request, const dds_sample_info_t& info) {
-    if (info.valid_data) {
+    if (info.valid_data && fleet_.is_own(request.worker, dds_.origins.of(dds_.requests.get(), info), "a request")) {
       take(request);
     }
   });
   dds_.answers.take(kMostPerTake, [this](const wire::Answer& answer, const dds_sample_info_t& info) {
-    if (info.valid_data) {
+    if (info.valid_data && fleet_.is_own(answer.worker, dds_.origins.of(dds_.answers.get(), info), "an answer")) {
       take(answer);
     }
   });

@@ -119,8 +119,15 @@ Result<RemoteEndpoints> RemoteEndpoints::open(const std::optional<std::uint32_t>
   if (!ok) {
     return tl::unexpected(ok.error());
   }
-  return RemoteEndpoints{joined->domain,      std::move(joined->participant), std::move(*waiter),  std::move(*hellos),
-                         std::move(*answers), std::move(*requests),           std::move(*control), std::move(*fleet)};
+  return RemoteEndpoints{joined->domain,
+                         std::move(joined->participant),
+                         std::move(*waiter),
+                         std::move(*hellos),
+                         std::move(*answers),
+                         std::move(*requests),
+                         std::move(*control),
+                         std::move(*fleet),
+                         {}};
 }
 
 }  // namespace coppice

@@ -8,6 +8,7 @@
 
 #include "common/error.hpp"
 #include "common/wire/configuration.hpp"
+#include "common/wire/origin.hpp"
 #include "common/wire/participant.hpp"
 #include "common/wire/topics.hpp"
 #include "common/wire/waiter.hpp"
@@ -23,6 +24,7 @@ struct RemoteEndpoints {
   wire::Reader<wire::ChainRequest> requests;
   wire::Writer<wire::Control> control;
   wire::Writer<wire::Fleet> fleet;
+  wire::Origins origins{};  // of what the readers take
 
   // In `domain`, or in a free one of those for local runs. `interface` by name or address. Errors name the flag: no
   // such interface; the domain is taken (or all are).

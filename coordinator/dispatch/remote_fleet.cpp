@@ -53,6 +53,10 @@ std::vector<pid_t> RemoteFleet::ready_pids() const {
 
 void RemoteFleet::hear(const wire::Hello& hello, const dds_sample_info_t& info) {
   const WorkerId id{hello.worker};
+  const auto origin = dds_.origins.of(dds_.hellos.get(), info);
+  if (info.valid_data && origin && !is_own(hello.worker, origin, "a Hello")) {
+    return;
+  }
   // A farewell counts even when the worker was gone before it was read.
   const bool farewell = info.valid_data && hello.leaving;
   if (!info.valid_data || (!farewell && info.instance_state != DDS_ALIVE_INSTANCE_STATE)) {
@@ -74,7 +78,7 @@ void RemoteFleet::hear(const wire::Hello& hello, const dds_sample_info_t& info) 
     return;
   }
   if (found == workers_.end()) {
-    meet(hello);
+    meet(hello, origin);
     found = workers_.find(id);
     if (found == workers_.end()) {
       return;
@@ -85,16 +89,27 @@ void RemoteFleet::hear(const wire::Hello& hello, const dds_sample_info_t& info) 
   stranger_ = stranger_ || hello.run_id != run_.run_id;
 }
 
-void RemoteFleet::meet(const wire::Hello& hello) {
+bool RemoteFleet::is_own(std::uint64_t worker, const std::optional<wire::Origin>& origin, const std::string& what) {
+  const RemoteWorker* const known = find(WorkerId{worker});
+  if (known == nullptr || known->origin() == origin) {
+    return true;
+  }
+  if (origin) {
+    reject(what + " in its name, from somebody else", worker);
+  }
+  return false;
+}
+
+void RemoteFleet::meet(const wire::Hello& hello, const std::optional<wire::Origin>& origin) {
   const WorkerId id{hello.worker};
   if (banned_.count(id) != 0) {
     cast_out(hello, coppice_wire_QUARANTINED);
     return;
   }
-  if (workers_.size() >= kMaxWorkers) {
+  if (workers_.size() >= kMaxWorkers || !origin) {  // gone already
     return;
   }
-  auto worker = RemoteWorker::meet(dds_.participant, dds_.waiter, hello);
+  auto worker = RemoteWorker::meet(dds_.participant, dds_.waiter, hello, *origin);
   if (!worker) {
     spdlog::error("cannot serve a worker: {}", worker.error().message);
     return;

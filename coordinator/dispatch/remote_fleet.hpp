@@ -37,6 +37,9 @@ class RemoteFleet {
   void begin();
 
   void hear(const wire::Hello& hello, const dds_sample_info_t& info);
+  // Whether what came in a worker's name did not come from somebody else (empty: gone meanwhile, so nobody can tell,
+  // and nothing is lost with it: what a worker that is gone had goes to others). If it did, it is rejected.
+  bool is_own(std::uint64_t worker, const std::optional<wire::Origin>& origin, const std::string& what);
   // A sample that did not decode or belongs to nobody: counted, logged once for each source.
   void reject(const std::string& what, std::uint64_t source);
   // A worker that answers nonsense would do so again: its Hellos are not heard any more.
@@ -65,7 +68,7 @@ class RemoteFleet {
   void cast_out(const wire::Hello& hello, coppice_wire_Doing why);
   // For those who look on (coppice workers), while there are any.
   void show(Clock::time_point now);
-  void meet(const wire::Hello& hello);
+  void meet(const wire::Hello& hello, const std::optional<wire::Origin>& origin);
   void lose(WorkerId worker, const std::string& why, InFlight::Farewell farewell);
   void lose_process(pid_t pid);
   void lose_hanging(Clock::time_point now, std::uint64_t steps);

@@ -17,7 +17,7 @@ constexpr std::size_t kTaskBytes = std::size_t{64} * 1024;
 std::uint32_t most_trees(std::span<const Tree> trees, const Job& job) {
   std::size_t largest = 1;
   for (const Tree& tree : trees) {
-    largest = std::max(largest, wire::encoded_size(tree));
+    largest = std::max(largest, wire::most_encoded_bytes(tree.size()));
   }
   const std::size_t answers =
       (wire::kMaxTaskPayload - sizeof(std::uint32_t)) / wire::encoded_tally_size(job.objectives.size());

@@ -16,9 +16,10 @@ constexpr std::chrono::seconds kPaceWindow{1};
 
 }  // namespace
 
-RemoteWorker::RemoteWorker(const wire::Hello& hello, wire::Writer<wire::Task> tasks,
+RemoteWorker::RemoteWorker(const wire::Hello& hello, const wire::Origin& origin, wire::Writer<wire::Task> tasks,
                            wire::Writer<wire::ChainBlock> blocks)
     : id_{hello.worker},
+      origin_(origin),
       pid_(static_cast<pid_t>(hello.pid)),
       status_(wire::status_of(hello)),
       lanes_(std::clamp(hello.threads, std::uint32_t{1}, kMaxLanes)),
@@ -27,7 +28,7 @@ RemoteWorker::RemoteWorker(const wire::Hello& hello, wire::Writer<wire::Task> ta
       blocks_(std::move(blocks)) {}
 
 Result<RemoteWorker> RemoteWorker::meet(const wire::Participant& participant, wire::Waiter& waiter,
-                                        const wire::Hello& hello) {
+                                        const wire::Hello& hello, const wire::Origin& origin) {
   const std::string partition = wire::partition_of(hello.worker);
   auto tasks = wire::Writer<wire::Task>::make(participant, partition);
   if (!tasks) {
@@ -42,7 +43,7 @@ Result<RemoteWorker> RemoteWorker::meet(const wire::Participant& participant, wi
       return tl::unexpected(ok.error());
     }
   }
-  return RemoteWorker(hello, std::move(*tasks), std::move(*blocks));
+  return RemoteWorker(hello, origin, std::move(*tasks), std::move(*blocks));
 }
 
 void RemoteWorker::hear(const wire::Hello& hello, const RunIdentity& run, InFlight::Time now) {

@@ -11,6 +11,7 @@
 
 #include "common/chain/chain_bytes.hpp"
 #include "common/error.hpp"
+#include "common/wire/origin.hpp"
 #include "common/wire/topics.hpp"
 #include "common/wire/waiter.hpp"
 #include "coordinator/dispatch/in_flight.hpp"
@@ -26,11 +27,13 @@ struct RunIdentity {
 
 class RemoteWorker {
  public:
-  // Makes the writers and has `waiter` watch them. Errors: DDS.
-  static Result<RemoteWorker> meet(const wire::Participant& participant, wire::Waiter& waiter,
-                                   const wire::Hello& hello);
+  // Makes the writers and has `waiter` watch them. `origin`: of the Hello. Errors: DDS.
+  static Result<RemoteWorker> meet(const wire::Participant& participant, wire::Waiter& waiter, const wire::Hello& hello,
+                                   const wire::Origin& origin);
 
   WorkerId id() const { return id_; }
+  // Who alone may speak for it.
+  const wire::Origin& origin() const { return origin_; }
   pid_t pid() const { return pid_; }
   std::size_t lanes() const { return lanes_; }
   // "host, pid 123" fit for a terminal.
@@ -71,9 +74,11 @@ class RemoteWorker {
     void look(bool matched, InFlight::Time now);
   };
 
-  RemoteWorker(const wire::Hello& hello, wire::Writer<wire::Task> tasks, wire::Writer<wire::ChainBlock> blocks);
+  RemoteWorker(const wire::Hello& hello, const wire::Origin& origin, wire::Writer<wire::Task> tasks,
+               wire::Writer<wire::ChainBlock> blocks);
 
   WorkerId id_;
+  wire::Origin origin_;
   pid_t pid_;
   wire::WorkerStatus status_{};  // what stays the same, or was said last
   InFlight::Time heard_;

@@ -36,7 +36,8 @@ std::vector<Place> places_of(const Tree& tree) {
 
 }  // namespace
 
-Breeding::Breeding(const Vocabulary& vocabulary, const TreeShape& shape) : vocabulary_(vocabulary), shape_(shape) {
+Breeding::Breeding(const Vocabulary& vocabulary, const TreeShape& shape)
+    : vocabulary_(vocabulary), shape_(shape), checker_(vocabulary) {
   COPPICE_CHECK(shape.max_children >= 2 && shape.max_depth <= kMaxTreeDepth && shape.max_nodes >= 1 &&
                 shape.max_nodes <= kMaxTreeNodes);
 }
@@ -85,7 +86,7 @@ Tree Breeding::mutate_subtree(Stream& stream, const Tree& tree) const {
 }
 
 bool Breeding::within_limits(const Tree& tree) const {
-  if (tree.size() > shape_.max_nodes || tree.depth() > shape_.max_depth || !check_tree(tree, vocabulary_)) {
+  if (tree.size() > shape_.max_nodes || tree.depth() > shape_.max_depth || !checker_.admits(tree)) {
     return false;
   }
   for (std::size_t i = 0; i < tree.size(); ++i) {

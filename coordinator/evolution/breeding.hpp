@@ -8,6 +8,7 @@
 #include "common/chain/random.hpp"
 #include "common/tree/random_tree.hpp"
 #include "common/tree/tree.hpp"
+#include "common/tree/tree_checker.hpp"
 
 namespace coppice {
 
@@ -48,6 +49,7 @@ class Breeding {
 
   const Vocabulary& vocabulary_;
   TreeShape shape_;
+  TreeChecker checker_;
 };
 
 }  // namespace coppice

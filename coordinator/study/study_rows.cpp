@@ -59,11 +59,10 @@ Result<OwnedRun> StudyRows::run(RunId id) {
 }
 
 Result<std::vector<GenerationRecord>> StudyRows::generations(RunId run) {
-  SQLite::Statement select(
-      database_,
-      "SELECT generation, best_tree, best_fitness, best_agreement, mean_fitness, mean_agreement, "
-      "mean_nodes, distinct_trees, evaluations, seconds FROM generations WHERE run = ? "
-      "ORDER BY generation");
+  SQLite::Statement select(database_,
+                           "SELECT generation, best_tree, best_fitness, best_agreement, mean_fitness, mean_agreement, "
+                           "mean_nodes, distinct_trees, evaluations, seconds FROM generations WHERE run = ? "
+                           "ORDER BY generation");
   select.bind(1, number(run));
   std::vector<GenerationRecord> records;
   while (select.executeStep()) {

@@ -16,7 +16,7 @@
 namespace coppice {
 
 std::int64_t number(RunId run);
-std::string label(RunId run);  // "run 3"
+std::string label(RunId run);                   // "run 3"
 std::string hash_hex(const std::string& text);  // of a checkpoint's text, to notice damage
 
 // A row of `runs` with what decides about taking it over.

@@ -3,12 +3,15 @@
 //   stranger DOMAIN next    a worker of the next protocol version
 //   stranger DOMAIN knock   says that it is a worker and answers batches that it was never given, for 3 s; prints how
 //                           many samples it heard
+//   stranger DOMAIN forge   answers, and takes its leave, in the name of every worker that the coordinator
+//                           shows, for 3 s; prints in how many names
 //   stranger DOMAIN rule    tries to write what only a coordinator may write; prints what it was allowed
 //   stranger DOMAIN usurp IDENTITY RULES PORT     plays the coordinator (usurp.hpp)
 // It goes to the coordinator on this machine, or on COPPICE_STRANGER_HOST. A third argument is the folder of an
 // identity under DDS Security; - is none.
 #include <cstdio>
 #include <cstdlib>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -174,6 +177,68 @@ int knock(std::uint32_t domain, const wire::Network& network) {
   return 0;
 }
 
+// As `worker`: damaged answers to the batches that it may hold, and a farewell.
+void forge_for(std::uint64_t worker, const wire::Control& control, wire::Writer<wire::Answer>& answers,
+               wire::Writer<wire::Hello>& hellos) {
+  constexpr std::uint64_t kBatches = 2000;  // they are numbered from 0
+  const std::vector<std::uint8_t> garbage(100, 0xAB);
+  wire::Answer answer{};
+  answer.protocol = control.protocol;
+  answer.run_id = control.run_id;
+  answer.chain = control.chain;
+  answer.worker = worker;
+  answer.outcome = coppice_wire_EVALUATED;
+  answer.payload = wire::lend(garbage);
+  for (answer.batch = 0; answer.batch < kBatches; ++answer.batch) {
+    if (auto ok = answers.write(answer); !ok) {
+      std::exit(fail(ok.error().message));
+    }
+  }
+  wire::Hello hello{};
+  hello.protocol = control.protocol;
+  hello.worker = worker;
+  hello.run_id = control.run_id;
+  hello.leaving = true;
+  if (auto ok = hellos.write(hello); !ok) {
+    std::exit(fail(ok.error().message));
+  }
+}
+
+int forge(std::uint32_t domain, const wire::Network& network) {
+  const auto participant = join(domain, network);
+  const auto controls = required(wire::Reader<wire::Control>::make(participant));
+  const auto fleets = required(wire::Reader<wire::Fleet>::make(participant));
+  auto waiter = required(wire::Waiter::make(participant));
+  if (!waiter.watch_reader(fleets.get())) {
+    return fail("cannot wait");
+  }
+  auto hellos = required(wire::Writer<wire::Hello>::make(participant));
+  auto answers = required(wire::Writer<wire::Answer>::make(participant));
+  wire::Control control{};
+  std::set<std::uint64_t> forged;
+  std::chrono::steady_clock::time_point end{};
+  for (int i = 0; i < kMostWaits && (forged.empty() || std::chrono::steady_clock::now() < end); ++i) {
+    waiter.wait(std::chrono::milliseconds(100));
+    controls.take(16, [&](const wire::Control& sample, const dds_sample_info_t& info) {
+      control = info.valid_data ? sample : control;
+    });
+    fleets.take(16, [&](const wire::Fleet& fleet, const dds_sample_info_t& info) {
+      if (!info.valid_data || control.run_id == 0) {
+        return;
+      }
+      if (forged.empty() && fleet.workers._length > 0) {
+        end = std::chrono::steady_clock::now() + kKnockingTime;
+      }
+      for (std::uint32_t worker = 0; worker < fleet.workers._length; ++worker) {
+        forged.insert(fleet.workers._buffer[worker].worker);
+        forge_for(fleet.workers._buffer[worker].worker, control, answers, hellos);
+      }
+    });
+  }
+  std::printf("forged %zu names\n", forged.size());
+  return forged.empty() ? fail("nobody to forge for") : 0;
+}
+
 template <typename Sample>
 void try_to_write(const wire::Participant& participant, const char* name) {
   auto writer = wire::Writer<Sample>::make(participant);
@@ -207,7 +272,7 @@ int main(int argc, char** argv) {
   const std::string_view mode(argc > 2 ? argv[2] : "");
   if (mode == "usurp" ? argc != 6 : argc != 3 && argc != 4) {
     return fail(
-        "usage: stranger DOMAIN noise|next|knock|rule [IDENTITY], or stranger DOMAIN usurp IDENTITY RULES PORT");
+        "usage: stranger DOMAIN noise|next|knock|forge|rule [IDENTITY], or stranger DOMAIN usurp IDENTITY RULES PORT");
   }
   const auto domain = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10));
   wire::Network network;
@@ -220,6 +285,9 @@ int main(int argc, char** argv) {
   }
   if (mode == "knock") {
     return knock(domain, network);
+  }
+  if (mode == "forge") {
+    return forge(domain, network);
   }
   return mode == "rule" ? rule(domain, network) : serve_next_version(domain);
 }

@@ -68,6 +68,21 @@ TEST_F(Strangers, WhoTalkNonsenseAreCountedAndDropped) {
   EXPECT_NE(log_.str().find("dropped a sample"), std::string::npos) << log_.str();
 }
 
+TEST_F(Strangers, WhoSpeakInAWorkersNameAreNotTakenForIt) {
+  const auto evaluator = open();
+  expect_serial_tallies(*evaluator, 0);
+  e2e::Process forger = stranger(*evaluator, "forge");
+  for (std::uint32_t generation = 1; generation < kMostGenerations && forger.running(); ++generation) {
+    expect_serial_tallies(*evaluator, generation);
+  }
+  EXPECT_EQ(forger.wait(), (e2e::Ending{0, 0})) << forger.rest_of_error();
+  expect_serial_tallies(*evaluator, kMostGenerations);
+  EXPECT_GT(evaluator->statistics().rejected, 1000U);
+  EXPECT_EQ(evaluator->statistics().workers_lost, 0U) << log_.str();
+  EXPECT_EQ(evaluator->statistics().requeued, 0U);
+  EXPECT_NE(log_.str().find("from somebody else"), std::string::npos) << log_.str();
+}
+
 TEST_F(Strangers, WhoSpeakAnotherProtocolVersionAreRefusedWithAMessageOnBothSides) {
   const auto evaluator = open();
   expect_serial_tallies(*evaluator, 0);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/tree/tree_checker.hpp"
 #include "tests/common/tree/arbitrary.hpp"
 
 namespace coppice {
@@ -108,6 +109,31 @@ TEST(Tree, of_another_vocabulary_is_refused_with_the_node) {
   EXPECT_EQ(refusal_of(Node::condition(0, Op::equal, 2)),
             "node 2: feature 's0' never reads 2: expected one of 0, 1, 3");
   EXPECT_EQ(refusal_of(Node::condition(0, Op::less_equal, 1)), "node 2: feature 's0' does not admit operator '<='");
+}
+
+TEST(TreeChecker, says_what_check_tree_says_of_every_leaf) {
+  Vocabulary words = arbitrary::uav();
+  words.features[1].admits_less_equal = true;
+  words.features[2].admits_equal = false;
+  words.features[2].admits_less_equal = true;
+  const TreeChecker checker(words);
+  const auto expect_the_same = [&](const Node& leaf) {
+    const Tree tree = *Tree::from_nodes({sequence(3), act(0), leaf});
+    const Result<void> expected = check_tree(tree, words);
+    const Result<void> said = checker.check(tree);
+    ASSERT_EQ(checker.admits(tree), expected.has_value());
+    ASSERT_EQ(said.has_value(), expected.has_value());
+    if (!said) {
+      EXPECT_EQ(said.error().message, expected.error().message);
+    }
+  };
+  for (unsigned index = 0; index < 256; ++index) {
+    expect_the_same(act(static_cast<std::uint8_t>(index)));
+    for (unsigned value = 0; value < 256; ++value) {
+      expect_the_same(Node::condition(index, Op::equal, static_cast<std::uint8_t>(value)));
+      expect_the_same(Node::condition(index, Op::less_equal, static_cast<std::uint8_t>(value)));
+    }
+  }
 }
 
 }  // namespace

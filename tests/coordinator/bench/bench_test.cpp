@@ -45,7 +45,7 @@ TEST(Workload, IsTheSameEveryTime) {
 
 // Serial 1 ms a generation; 2 workers take 0.5 ms and 0.3 ms of overhead: they save half of a generation's time.
 std::vector<WorkloadScaling> some_scaling() {
-  WorkloadScaling light{"light", 100, 5, 100, {1e-3, 1e-3, 1e-3}, {}};
+  WorkloadScaling light{"light", 100, 5, 100, {1e-3, 1e-3, 1e-3}, 2, {0.6e-3, 0.6e-3, 0.6e-3}, {1.7, 1.7, 1.7}, {}};
   ScalingRow two;
   two.team = {2};
   two.seconds = {0.8e-3, 0.8e-3, 0.8e-3};
@@ -59,6 +59,12 @@ TEST(Scaling, BreaksEvenWhereWhatIsSavedIsTheOverhead) {
   EXPECT_DOUBLE_EQ(worthwhile_seconds(some_scaling(), {2}, 2), 0.6e-3);
   EXPECT_DOUBLE_EQ(worthwhile_seconds(some_scaling(), {2}, 1), 0.0);  // one core: never
   EXPECT_DOUBLE_EQ(worthwhile_seconds(some_scaling(), {4}, 2), 0.0);  // not measured
+}
+
+TEST(Scaling, ShowsWhatTheCoresGiveWithoutDispatch) {
+  const std::string text = to_text(some_scaling().front());
+  EXPECT_NE(text.find("2 serial"), std::string::npos) << text;
+  EXPECT_NE(text.find("1.70    85%"), std::string::npos) << text;
 }
 
 TEST(Team, IsNamedByItsWorkersAndTheirThreads) {

@@ -1,6 +1,7 @@
 #include "coordinator/learning/room_map.hpp"
 
 #include <gtest/gtest.h>
+#include <ostream>
 #include <random>
 
 #include "tests/coordinator/learning/rooms.hpp"
@@ -51,6 +52,9 @@ struct BadRoom {
   std::string text;
   std::vector<std::string> expected;  // all of these in the message
 };
+
+// What a test's name shows.
+std::ostream& operator<<(std::ostream& out, const BadRoom& room) { return out << room.what; }
 
 class RoomMapRefuses : public ::testing::TestWithParam<BadRoom> {};
 

@@ -1,4 +1,4 @@
-// decode_task(): whatever it accepts encodes to the same bytes, passed the checks that its header promises, and can be
+// TaskDecoder: whatever it accepts encodes to the same bytes, passed the checks that its header promises, and can be
 // prepared and evaluated by a worker, or is refused there.
 #include <algorithm>
 #include <memory>
@@ -39,7 +39,7 @@ void evaluate(const wire::DecodedTask& task) {
 }
 
 void test(std::span<const std::uint8_t> bytes) {
-  const auto task = wire::decode_task(bytes, words());
+  const auto task = wire::TaskDecoder(words()).decode(bytes);
   accepted = task.has_value();
   if (!task) {
     COPPICE_CHECK(is_printable_refusal(task.error()));
