@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The test suite under the address and undefined-behaviour sanitizers, then its threaded parts under the thread sanitizer.
-# (libddsc itself is not instrumented.)
+# (libddsc itself is not instrumented. verify_asan_link_order=0 in the preset: the tests of jumping clocks preload faketime.)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -178,6 +178,7 @@ class Parser {
     const std::optional<std::size_t> feature = vocabulary_.find_feature(name.text);
     if (!feature) {
       std::vector<std::string_view> names;
+      names.reserve(vocabulary_.features.size());
       for (const Feature& known : vocabulary_.features) {
         names.push_back(known.name);
       }

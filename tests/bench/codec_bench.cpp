@@ -11,7 +11,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kTrees = 100;        // a generation of the thesis
+constexpr std::size_t kTrees = 100;      // a generation of the thesis
 constexpr std::size_t kGenerations = 8;  // in turn: a processor soon knows the branches of one by heart
 
 struct Scene {
