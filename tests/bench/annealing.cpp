@@ -15,8 +15,8 @@
 namespace coppice {
 namespace {
 
-constexpr double kHot = 12.0;  // states that a change may lose, at the beginning
-constexpr double kCold = 0.4;  // and at the end
+constexpr double kHot = 12.0;        // states that a change may lose, at the beginning
+constexpr double kCold = 0.4;        // and at the end
 constexpr std::uint64_t kBold = 20;  // one change in so many replaces a subtree
 
 class Coverage {

@@ -63,10 +63,13 @@ std::optional<std::string> Hosts::why_not() {
     }
   }
   const std::string name = fmt::format("{}{}-trial", kPrefix, getpid());
-  const Completed tried = try_ip("netns add " + name);
+  Completed tried = try_ip("netns add " + name);
+  if (tried.ending.exit_code == 0) {  // containers and changed roots may have it, and not let anybody in
+    tried = try_ip(fmt::format("netns exec {} {} link add br0 type bridge", name, kIp));
+  }
   try_ip("netns del " + name);
   if (tried.ending.exit_code != 0) {
-    return "cannot make a network namespace: " + tried.error;
+    return "cannot make hosts of network namespaces: " + tried.error;
   }
   return std::nullopt;
 }
