@@ -5,6 +5,9 @@ and scores it with `coppice score`. Of each weighting of the states the largest 
 
     apt-get install python3-sklearn
     tests/bench/cart.py uav.coppice --nodes 20
+
+With --founders it prints the trees instead, for an evolution to begin with:
+    coppice evolve uav.coppice --config FILE.toml --set ga.founders="$(tests/bench/cart.py uav.coppice --founders)"
 """
 import argparse
 import csv
@@ -44,6 +47,7 @@ def main():
     parser.add_argument("--nodes", type=int, default=20, help="of the behaviour tree after pruning (default: 20)")
     parser.add_argument("--seeds", type=int, default=10, help="CART breaks ties by chance (default: 10 seeds)")
     parser.add_argument("--coppice", default="build/release/bin/coppice", metavar="PROGRAM")
+    parser.add_argument("--founders", action="store_true", help="print the trees, with ; between, and nothing else")
     options = parser.parse_args()
 
     table = coppice([options.coppice, "table", options.study, "--tree",
@@ -58,8 +62,10 @@ def main():
     visits = numpy.array([float(row["visits"]) for row in rows])
     weightings = {"states alike": numpy.ones(len(rows)), "by visits": visits, "by root of visits": numpy.sqrt(visits)}
 
-    print(f"{'states weigh':18} {'leaves':>6} {'nodes':>5} {'over states':>11} {'simulation':>10} {'reward':>7} {'collisions':>10}"
-          f"   medians of {options.seeds} seeds")
+    if not options.founders:
+        print(f"{'states weigh':18} {'leaves':>6} {'nodes':>5} {'over states':>11} {'simulation':>10} {'reward':>7} {'collisions':>10}"
+              f"   medians of {options.seeds} seeds")
+    founders = set()
     for name, weights in weightings.items():
         results = []
         for seed in range(1, options.seeds + 1):
@@ -70,12 +76,19 @@ def main():
                 pruned = json.loads(coppice([options.coppice, "prune", options.study, "--json", "--tree", text]))
                 if pruned["pruned_nodes"] <= options.nodes:
                     best = (leaves, pruned["pruned_nodes"], pruned["pruned"])
+            founders.add(best[2])
+            if options.founders:
+                continue
             score = json.loads(coppice([options.coppice, "score", options.study, "--json", "--tree", best[2]]))["tree"]
             results.append([best[0], best[1], 100 * score["agreement_over_states"], 100 * score["agreement"]["mean"],
                             score["reward"]["mean"], score["collisions"]])
+        if options.founders:
+            continue
         median = numpy.median(numpy.array(results), axis=0)
         print(f"{name:18} {median[0]:6.0f} {median[1]:5.0f} {median[2]:9.1f} % {median[3]:8.1f} % {median[4]:7.1f} "
               f"{median[5]:10.0f}")
+    if options.founders:
+        print(";".join(sorted(founders)))
 
 
 if __name__ == "__main__":
