@@ -187,6 +187,7 @@ void RemoteFleet::show(Clock::time_point now) {
     return;
   }
   std::vector<wire::WorkerStatus> workers;
+  workers.reserve(workers_.size() + outcasts_.size());
   for (const auto& [id, worker] : workers_) {
     workers.push_back(worker.status(flight_.load(id), now));
   }

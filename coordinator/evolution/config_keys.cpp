@@ -204,9 +204,8 @@ ConfigValue value_of(const ConfigKey& key) {
   return std::visit(
       [](const auto* field) -> ConfigValue {
         using Field = std::decay_t<decltype(*field)>;
-        if constexpr (std::is_same_v<Field, double> || std::is_same_v<Field, std::uint64_t>) {
-          return *field;
-        } else if constexpr (std::is_same_v<Field, std::string>) {
+        if constexpr (std::is_same_v<Field, double> || std::is_same_v<Field, std::uint64_t> ||
+                      std::is_same_v<Field, std::string>) {
           return *field;
         } else if constexpr (std::is_same_v<Field, std::vector<Measure>>) {
           return to_text(*field);

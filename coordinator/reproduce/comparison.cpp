@@ -10,8 +10,8 @@ constexpr std::size_t kGap = 2;
 constexpr std::size_t kLine = 120;
 
 const std::string& cell(const std::vector<std::string>& cells, std::size_t i) {
-  static const std::string kEmpty;
-  return i < cells.size() ? cells[i] : kEmpty;
+  static const std::string no_cell;
+  return i < cells.size() ? cells[i] : no_cell;
 }
 
 // A paragraph in lines of at most kLine characters, the first after "- ".

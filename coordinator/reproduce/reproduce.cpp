@@ -17,17 +17,17 @@ namespace coppice {
 namespace {
 
 // What is changed of thesis Table III, as `coppice evolve --set` takes it.
-const Experiment kFour{"Table IV", {}};
-const Experiment kFiveOne{"Table 5-1",
-                          {"ga.generations=50", "fitness.agreement=0", "fitness.q_value=1", "fitness.size_weight=0"}};
-const Experiment kFiveTwo{"Table 5-2",
-                          {"ga.generations=150", "fitness.agreement=0", "fitness.q_value=1", "fitness.size_weight=0"}};
-const Experiment kFiveSix{"Table 5-6", {"ga.generations=150", "fitness.agreement=0", "fitness.shaped=1"}};
-const Experiment kFiveSeven{"Table 5-7", {"ga.generations=150", "rollout.acting=policy"}};
+const Experiment table_iv{"Table IV", {}};
+const Experiment table_5_1{"Table 5-1",
+                           {"ga.generations=50", "fitness.agreement=0", "fitness.q_value=1", "fitness.size_weight=0"}};
+const Experiment table_5_2{"Table 5-2",
+                           {"ga.generations=150", "fitness.agreement=0", "fitness.q_value=1", "fitness.size_weight=0"}};
+const Experiment table_5_6{"Table 5-6", {"ga.generations=150", "fitness.agreement=0", "fitness.shaped=1"}};
+const Experiment table_5_7{"Table 5-7", {"ga.generations=150", "rollout.acting=policy"}};
 // On the grid nothing is chance: one walk of the way's length says all.
-const Experiment kGrid{"Figure 4-4a",
-                       {"ga.generations=150", "rollout.rollouts=1", "rollout.steps=15", "rollout.final_rollouts=1",
-                        "fitness.size_nodes=9"}};
+const Experiment figure_4_4a{"Figure 4-4a",
+                             {"ga.generations=150", "rollout.rollouts=1", "rollout.steps=15",
+                              "rollout.final_rollouts=1", "fitness.size_nodes=9"}};
 
 std::string json_of(const LearnSettings& settings, const std::string& world) {
   return json_line({{"world", world},
@@ -146,11 +146,11 @@ class Reproduction {
   }
 
   Result<void> room_tables(const RoomRun& run, const TrialBench& on) {
-    const Result<std::vector<Trial>> four = trials(kFour, on);
+    const Result<std::vector<Trial>> four = trials(table_iv, on);
     if (!four) {
       return tl::unexpected(four.error());
     }
-    show(table_four(run, kFour, *four));
+    show(table_four(run, table_iv, *four));
     Result<Comparison> count = verification_count(run, *four);
     if (!count) {
       return tl::unexpected(std::move(count).error());
@@ -158,7 +158,7 @@ class Reproduction {
     show(std::move(*count));
 
     const std::vector<std::pair<const Experiment*, TreeTable>> experiments = {
-        {&kFiveOne,
+        {&table_5_1,
          {"Table 5-1",
           "accumulated Q objective, 50 generations",
           printed::kFiveOne,
@@ -171,14 +171,14 @@ class Reproduction {
            "The thesis' tree avoids walls and ignores trash at 50 generations, and turns beside trash only at 150. "
            "Ours do the "
            "latter at once where the reward is about -150: one turn after another for 150 steps."}}},
-        {&kFiveTwo,
+        {&table_5_2,
          {"Table 5-2",
           "accumulated Q objective, 150 generations",
           printed::kFiveTwo,
           {"The failure that the thesis describes: more Q than the policy collects, and next to no reward. The tree "
            "turns so "
            "as to keep trash in sight, where Q is high, and does not collect it."}}},
-        {&kFiveSix,
+        {&table_5_6,
          {"Table 5-6",
           "problem-specific objective (+8/-4 with trash, +1/-2 at a wall, +1/0), 150 generations",
           printed::kFiveSix,
@@ -188,7 +188,7 @@ class Reproduction {
            "The thesis adds its size term above 90 % of the highest fitness so far, we above 90 % of agreement along "
            "the "
            "walk."}}},
-        {&kFiveSeven,
+        {&table_5_7,
          {"Table 5-7",
           "agreement objective, the RL policy acting, 150 generations",
           printed::kFiveSeven,
@@ -201,18 +201,18 @@ class Reproduction {
         return tl::unexpected(found.error());
       }
       TreeTable table = shape;
-      if (experiment == &kFiveSix) {
+      if (experiment == &table_5_6) {
         table.remarks.insert(table.remarks.begin(), remark_on_spinning(*found));
       }
-      if (experiment == &kFiveSeven) {
+      if (experiment == &table_5_7) {
         table.remarks.insert(table.remarks.begin(), remark_on_acting(*found));
       }
       show(tree_table(table, run, *experiment, *found));
-      if (experiment == &kFiveTwo) {
+      if (experiment == &table_5_2) {
         show(table_five_three(run));
         show(table_five_four(run));
       }
-      if (experiment == &kFiveSeven) {
+      if (experiment == &table_5_7) {
         show(table_five_eight(run, *found));
       }
     }
@@ -262,7 +262,7 @@ class Reproduction {
       return tl::unexpected(evaluator.error());
     }
     const Result<std::vector<Trial>> found =
-        trials(kGrid, bench(world, *study, **evaluator, {.episodes = 2, .steps = learning.steps, .seed = 1}));
+        trials(figure_4_4a, bench(world, *study, **evaluator, {.episodes = 2, .steps = learning.steps, .seed = 1}));
     if (!found) {
       return tl::unexpected(found.error());
     }

@@ -28,6 +28,7 @@ double coverage(const ControllerScore& score, const Chain& chain) {
 std::string spread(const std::vector<Trial>& trials, const std::function<double(const Trial&)>& value,
                    const std::function<std::string(double)>& text) {
   std::vector<double> values;
+  values.reserve(trials.size());
   for (const Trial& trial : trials) {
     values.push_back(value(trial));
   }
