@@ -14,49 +14,71 @@
 namespace coppice::wire {
 namespace {
 
-constexpr std::uint8_t kKindMask = 3;
 constexpr unsigned kOpShift = 2;
 
+// Nodes are most of a task, and what kind comes next is a guess that a processor loses at every third: they are read
+// and written without a branch on it, in words of four bytes of which two or three count.
+constexpr std::size_t kWord = sizeof(std::uint32_t);
+
+// How a node lies in the word that begins with a tag, and how in memory: kind, operator, index and value, then extent.
+struct Layout {
+  std::uint8_t bytes = 0;      // of the word; 0: no node begins with this tag
+  std::uint32_t head = 0;      // kind and operator
+  std::uint32_t operands = 0;  // mask: index and value
+  std::uint16_t span = 0;      // mask: extent
+  std::uint16_t extent = 0;    // where the word has none
+};
+constexpr std::size_t kTags = 8;
+constexpr std::array<Layout, kTags> kLayouts = [] {
+  std::array<Layout, kTags> layouts{};
+  for (const unsigned kind : {0U, 1U}) {
+    layouts[kind] = {3, kind, 0, 0xFFFF, 0};
+  }
+  for (const unsigned op : {0U, 1U}) {
+    layouts[2U | op << kOpShift] = {3, 2U | op << 8U, 0xFFFF, 0, 1};
+  }
+  layouts[3] = {2, 3, 0xFF, 0, 1};
+  return layouts;
+}();
+static_assert(sizeof(Node) == 6 && std::is_trivially_copyable_v<Node> && offsetof(Node, index) == 2 &&
+              offsetof(Node, value) == 3 && offsetof(Node, extent) == 4);
+
+Node node_of(std::uint32_t word, const Layout& layout) {
+  const std::uint32_t rest = word >> 8U;
+  const std::uint64_t head = layout.head | (rest & layout.operands) << 16U;
+  const std::uint64_t whole = head | std::uint64_t{(rest & layout.span) | layout.extent} << 32U;
+  std::array<std::uint8_t, sizeof(Node)> bytes;
+  std::memcpy(bytes.data(), &whole, sizeof(Node));
+  return std::bit_cast<Node>(bytes);
+}
+
+std::uint32_t word_of(const Node& node) {
+  const auto tag = static_cast<unsigned>(node.kind) | static_cast<unsigned>(node.op) << kOpShift;
+  const unsigned leaf = node.index | static_cast<unsigned>(node.value) << 8U;
+  return tag | (node.is_composite() ? node.extent : leaf) << 8U;
+}
+
+bool is_node_tag(std::uint8_t tag) { return tag < kTags && kLayouts[tag].bytes != 0; }
+
 void put_node(const Node& node, ByteWriter& writer) {
-  writer.put(static_cast<std::uint8_t>(static_cast<unsigned>(node.kind) | static_cast<unsigned>(node.op) << kOpShift));
-  switch (node.kind) {
-    case NodeKind::sequence:
-    case NodeKind::selector:
-      writer.put(node.extent);
-      break;
-    case NodeKind::condition:
-      writer.put(node.index);
-      writer.put(node.value);
-      break;
-    case NodeKind::action:
-      writer.put(node.index);
-      break;
+  const std::uint32_t word = word_of(node);
+  for (std::size_t i = 0; i < kLayouts[word & 0xFFU].bytes; ++i) {
+    writer.put(static_cast<std::uint8_t>(word >> 8U * i));
   }
 }
 
 // False: the tag is unknown; `node` then holds it as its value.
 bool get_node(ByteReader& reader, Node& node) {
   const auto tag = reader.get<std::uint8_t>();
-  const auto kind = static_cast<NodeKind>(tag & kKindMask);
-  const unsigned op = tag >> kOpShift;
-  if (op > 1 || (op == 1 && kind != NodeKind::condition)) {
+  if (!is_node_tag(tag)) {
     node.value = tag;
     return false;
   }
-  switch (kind) {
-    case NodeKind::sequence:
-    case NodeKind::selector:
-      node = Node::composite(kind, reader.get<std::uint16_t>());
-      break;
-    case NodeKind::condition: {
-      const auto feature = reader.get<std::uint8_t>();
-      node = Node::condition(feature, static_cast<Op>(op), reader.get<std::uint8_t>());
-      break;
-    }
-    case NodeKind::action:
-      node = Node::action(ActionId{reader.get<std::uint8_t>()});
-      break;
+  std::uint32_t word = tag;
+  for (std::size_t i = 1; i < kLayouts[tag].bytes; ++i) {
+    word |= std::uint32_t{reader.get<std::uint8_t>()} << 8U * i;
   }
+  node = node_of(word, kLayouts[tag]);
   return true;
 }
 
@@ -165,23 +187,15 @@ Result<Job> get_job(ByteReader& reader) {
   return job;
 }
 
-// A tree's nodes are most of a task, and what comes next is a guess that a processor loses at every third node: they
-// are read and written without a branch on it, in words of four bytes of which two or three count.
-constexpr std::size_t kWord = sizeof(std::uint32_t);
-
-std::size_t encoded_size(NodeKind kind) { return kind == NodeKind::action ? 2 : 3; }
-
 // Writes up to a word's rest past the end.
 std::uint8_t* write_tree(const Tree& tree, std::uint8_t* at) {
   const auto count = static_cast<std::uint16_t>(tree.size());
   std::memcpy(at, &count, sizeof(count));
   at += sizeof(count);
   for (const Node& node : tree.nodes()) {
-    const auto tag = static_cast<unsigned>(node.kind) | static_cast<unsigned>(node.op) << kOpShift;
-    const unsigned leaf = node.index | static_cast<unsigned>(node.value) << 8U;
-    const std::uint32_t word = tag | (node.is_composite() ? node.extent : leaf) << 8U;
+    const std::uint32_t word = word_of(node);
     std::memcpy(at, &word, sizeof(word));
-    at += encoded_size(node.kind);
+    at += kLayouts[word & 0xFFU].bytes;
   }
   return at;
 }
@@ -195,38 +209,6 @@ std::uint32_t word_at(std::span<const std::uint8_t> bytes, std::size_t at) {
     std::memcpy(&word, bytes.data() + at, left);
   }
   return word;
-}
-
-// How a node lies in the word that begins with a tag, and how in memory: kind, operator, index and value, then extent.
-struct Layout {
-  std::uint8_t bytes = 0;      // of the word; 0: no node begins with this tag
-  std::uint32_t head = 0;      // kind and operator
-  std::uint32_t operands = 0;  // mask: index and value
-  std::uint16_t span = 0;      // mask: extent
-  std::uint16_t extent = 0;    // where the word has none
-};
-constexpr std::size_t kTags = 8;
-constexpr std::array<Layout, kTags> kLayouts = [] {
-  std::array<Layout, kTags> layouts{};
-  for (const unsigned kind : {0U, 1U}) {
-    layouts[kind] = {3, kind, 0, 0xFFFF, 0};
-  }
-  for (const unsigned op : {0U, 1U}) {
-    layouts[2U | op << kOpShift] = {3, 2U | op << 8U, 0xFFFF, 0, 1};
-  }
-  layouts[3] = {2, 3, 0xFF, 0, 1};
-  return layouts;
-}();
-static_assert(sizeof(Node) == 6 && std::is_trivially_copyable_v<Node> && offsetof(Node, index) == 2 &&
-              offsetof(Node, value) == 3 && offsetof(Node, extent) == 4);
-
-Node node_of(std::uint32_t word, const Layout& layout) {
-  const std::uint32_t rest = word >> 8U;
-  const std::uint64_t head = layout.head | (rest & layout.operands) << 16U;
-  const std::uint64_t whole = head | std::uint64_t{(rest & layout.span) | layout.extent} << 32U;
-  std::array<std::uint8_t, sizeof(Node)> bytes;
-  std::memcpy(bytes.data(), &whole, sizeof(Node));
-  return std::bit_cast<Node>(bytes);
 }
 
 template <typename TreeAt>
@@ -327,7 +309,7 @@ Result<Tree> TaskDecoder::read_tree(std::span<const std::uint8_t>& bytes) {
     }
     const std::uint32_t word = word_at(bytes, at);
     const auto tag = static_cast<std::uint8_t>(word);
-    if (tag >= kTags || kLayouts[tag].bytes == 0) {
+    if (!is_node_tag(tag)) {
       return unknown_node(tag);
     }
     node = node_of(word, kLayouts[tag]);

@@ -134,7 +134,8 @@ class WorkloadMeasurement {
     if (!expected) {
       return tl::unexpected(expected.error());
     }
-    const double abreast = per_generation(evaluate_abreast(first)) / static_cast<double>(serial_.size());
+    const double abreast =
+        serial_.size() == 1 ? serial : per_generation(evaluate_abreast(first)) / static_cast<double>(serial_.size());
     if (counts) {
       serial_seconds_.push_back(serial);
       abreast_seconds_.push_back(abreast);

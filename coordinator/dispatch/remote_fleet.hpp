@@ -37,8 +37,9 @@ class RemoteFleet {
   void begin();
 
   void hear(const wire::Hello& hello, const dds_sample_info_t& info);
-  // Whether what came in a worker's name did not come from somebody else (empty: gone meanwhile, so nobody can tell,
-  // and nothing is lost with it: what a worker that is gone had goes to others). If it did, it is rejected.
+  // Whether what came in this name came from the worker of that name, or from nobody that is known. What came from
+  // somebody else is rejected. Without an origin (the writer is gone) nobody can tell: not its own, and nothing is
+  // lost, since what a worker that is gone had goes to others.
   bool is_own(std::uint64_t worker, const std::optional<wire::Origin>& origin, const std::string& what);
   // A sample that did not decode or belongs to nobody: counted, logged once for each source.
   void reject(const std::string& what, std::uint64_t source);

@@ -97,10 +97,6 @@ bool holds(const PickCondition& condition, const Front& front, const FrontMember
   return *value == condition.number;
 }
 
-}  // namespace
-
-namespace {
-
 // Up to "else" or the end.
 Result<PickRule> parse_choice(Words& words) {
   PickRule rule;

@@ -13,7 +13,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint64_t kEpisodes = 20'000;  // the chain is made once, whatever the episodes: about a tenth of the time
+constexpr std::uint64_t kEpisodes = 20'000;
 
 double walk_alone(UavRoom& room, std::uint64_t episodes, std::uint32_t steps, Xoshiro256& random) {
   double rewards = 0.0;

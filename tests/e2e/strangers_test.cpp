@@ -44,6 +44,12 @@ class Strangers : public ::testing::Test {
     ASSERT_EQ(*tallies, *expected);
   }
 
+  void expect_serial_tallies_while(RemoteEvaluator& evaluator, e2e::Process& stranger) {
+    for (std::uint32_t generation = 1; generation < kMostGenerations && stranger.running(); ++generation) {
+      expect_serial_tallies(evaluator, generation);
+    }
+  }
+
   e2e::Process stranger(const RemoteEvaluator& evaluator, const std::string& mode) {
     return e2e::Process({.program = COPPICE_STRANGER, .arguments = {std::to_string(evaluator.domain()), mode}});
   }
@@ -58,9 +64,7 @@ TEST_F(Strangers, WhoTalkNonsenseAreCountedAndDropped) {
   const auto evaluator = open();
   expect_serial_tallies(*evaluator, 0);
   e2e::Process noise = stranger(*evaluator, "noise");
-  for (std::uint32_t generation = 1; generation < kMostGenerations && noise.running(); ++generation) {
-    expect_serial_tallies(*evaluator, generation);
-  }
+  expect_serial_tallies_while(*evaluator, noise);
   EXPECT_EQ(noise.wait(), (e2e::Ending{0, 0})) << noise.rest_of_error();
   expect_serial_tallies(*evaluator, kMostGenerations);
   EXPECT_GT(evaluator->statistics().rejected, 50U);
@@ -72,9 +76,7 @@ TEST_F(Strangers, WhoSpeakInAWorkersNameAreNotTakenForIt) {
   const auto evaluator = open();
   expect_serial_tallies(*evaluator, 0);
   e2e::Process forger = stranger(*evaluator, "forge");
-  for (std::uint32_t generation = 1; generation < kMostGenerations && forger.running(); ++generation) {
-    expect_serial_tallies(*evaluator, generation);
-  }
+  expect_serial_tallies_while(*evaluator, forger);
   EXPECT_EQ(forger.wait(), (e2e::Ending{0, 0})) << forger.rest_of_error();
   expect_serial_tallies(*evaluator, kMostGenerations);
   EXPECT_GT(evaluator->statistics().rejected, 1000U);
@@ -87,9 +89,7 @@ TEST_F(Strangers, WhoSpeakAnotherProtocolVersionAreRefusedWithAMessageOnBothSide
   const auto evaluator = open();
   expect_serial_tallies(*evaluator, 0);
   e2e::Process next = stranger(*evaluator, "next");
-  for (std::uint32_t generation = 1; generation < kMostGenerations && next.running(); ++generation) {
-    expect_serial_tallies(*evaluator, generation);
-  }
+  expect_serial_tallies_while(*evaluator, next);
   EXPECT_EQ(next.wait(), (e2e::Ending{1, 0}));
   const std::string said = next.rest_of_error();
   const std::uint32_t ours = wire::kProtocolVersion;
