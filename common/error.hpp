@@ -14,6 +14,7 @@ enum class ErrorKind : std::uint8_t {
   bad_input,    // the user's file, flag or text is wrong: exit code 2
   failed,       // the environment failed (disk, network, process): exit code 1
   interrupted,  // the user asked to stop; what was kept is valid
+  revoked,  // a worker was found to answer wrongly after some of its answers had counted: what rests on them is void
 };
 
 struct Error {

@@ -47,6 +47,12 @@ AliasRows::AliasRows(const Chain& chain) : stride_(chain.actions() + 1) {
     }
     rows_[state * stride_ + chain.actions()] = packed_row(bins_.size(), 1);
     append({state, state, 1}, 1);
+    for (std::size_t chosen = 0; chosen <= chain.actions(); ++chosen) {
+      const std::size_t taken = chain.taken(state, chosen);
+      if (taken != chosen) {
+        rows_[state * stride_ + chosen] = rows_[state * stride_ + taken];
+      }
+    }
   }
 }
 

@@ -2,7 +2,8 @@
 // roll-out reads 8 bytes of its row and 8 bytes of one bin.
 //
 // Two kinds of row exist without counts: a pair that was never tried leads to a state drawn uniformly from all
-// (thesis VI-E.3), and "no action" stays where it is. Both are ordinary rows here, so a walk has no branch.
+// (thesis VI-E.3), and "no action" stays where it is. Both are ordinary rows here, so a walk has no branch. Where
+// Chain::taken() says that another action takes place, a row is that action's.
 // Immutable; safe to share between threads.
 #pragma once
 

@@ -4,7 +4,12 @@
 //
 // Layout, little-endian: "CPCH", u32 format; u16 features, each {text name, u8 operators, u16 values, u8 x values};
 // u16 actions, each {text name}; u64 states, u64 transitions, u32 initial state; then the arrays of ChainParts in
-// the order of their declaration. Downside: no compression.
+// the order of their declaration, to visits. Downside: no compression.
+//
+// Format 1 is that. A chain that needs more has format 2, with these additions: behind a feature's values u8 scale and
+// u16 numbers x f64; behind the initial state u32 starts x {u32 state, u32 count}, u8 no action, u8 its action, u8 look
+// alikes, u32 terminals x u32, u8 has forbidden, u8 has collisions; behind the visits those two arrays, if there. A
+// chain has one format only, so that equal chains have equal bytes and old ones keep their hash.
 #pragma once
 
 #include <array>

@@ -25,8 +25,8 @@ ExactOccupancy::ExactOccupancy(const Chain& chain) : chain_(chain), rows_(chain)
 const Occupancy& ExactOccupancy::over_steps(const ActingTables& acting, std::uint32_t steps) {
   rows_.begin(acting);
   std::vector<double>& visits = result_.visits;
-  visits.assign(1, 0.0);
-  now_.assign(1, 1.0);
+  now_ = rows_.start();
+  visits.assign(now_.size(), 0.0);
   for (std::uint32_t step = 0; step < steps; ++step) {
     const std::size_t with_mass = now_.size();
     for (std::size_t k = 0; k < with_mass; ++k) {
@@ -73,7 +73,10 @@ const Occupancy* ExactOccupancy::discounted(const ActingTables& acting, double g
   }
   std::vector<double>& visits = result_.visits;
   visits.assign(rows_.size(), 0.0);
-  visits[0] = 1.0 - gamma;
+  const std::vector<double> start = rows_.start();
+  for (std::size_t k = 0; k < start.size(); ++k) {
+    visits[k] = (1.0 - gamma) * start[k];
+  }
   solve(visits);
   result_.states = rows_.states();
   return is_one(sum_of(visits)) ? &result_ : nullptr;
@@ -89,8 +92,8 @@ const Occupancy* ExactOccupancy::long_run(const ActingTables& acting) {
   }
   const std::size_t reached = rows_.size();
   // Probability of ending in each closed class: that of entering its cut state.
-  std::vector<double> from_start(reached, 0.0);
-  from_start[0] = 1.0;
+  std::vector<double> from_start = rows_.start();
+  from_start.resize(reached, 0.0);
   solve(from_start);
   const std::vector<double> ends = entered(from_start);
   // Visits of one cycle in each class, from the cut state until it is entered again.

@@ -1,5 +1,7 @@
 // How often a walk through a chain is in each state, computed instead of sampled: no random numbers, no noise.
 //
+// X_0 is drawn from Chain::starts().
+//
 //   over_steps   v(s) = sum over i < t of P(X_i = s)                              sums to t
 //   discounted   v(s) = (1 - gamma) x sum over i of gamma^i P(X_i = s)            sums to 1
 //   long_run     v(s) = limit for t to infinity of over_steps / t                 sums to 1

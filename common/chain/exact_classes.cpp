@@ -17,18 +17,10 @@ class Tarjan {
   }
 
   void run() {
-    visit(0);
-    while (!path_.empty()) {
-      Visit& top = path_.back();
-      if (top.next == degree(top.node)) {
-        leave();
-        continue;
-      }
-      const std::uint32_t to = successor(top.node, top.next++);
-      if (order_[to] == kUnseen) {
-        visit(to);
-      } else if (component_[to] == kUnseen) {
-        low_[top.node] = std::min(low_[top.node], order_[to]);
+    for (std::uint32_t node = 0; node < hub_; ++node) {  // episodes may start in several
+      if (order_[node] == kUnseen) {
+        visit(node);
+        run_from_path();
       }
     }
   }
@@ -67,6 +59,22 @@ class Tarjan {
       return static_cast<std::uint32_t>(i);
     }
     return i < rows_.row(node).size() ? rows_.row(node)[i].to : hub_;
+  }
+
+  void run_from_path() {
+    while (!path_.empty()) {
+      Visit& top = path_.back();
+      if (top.next == degree(top.node)) {
+        leave();
+        continue;
+      }
+      const std::uint32_t to = successor(top.node, top.next++);
+      if (order_[to] == kUnseen) {
+        visit(to);
+      } else if (component_[to] == kUnseen) {
+        low_[top.node] = std::min(low_[top.node], order_[to]);
+      }
+    }
   }
 
   void visit(std::uint32_t node) {

@@ -34,8 +34,8 @@ void ExactEvents::begin(const ActingTables& acting, std::span<const double> prob
 
 double ExactEvents::within(std::span<const double> chance, std::uint32_t steps) {
   const std::vector<double> event = by_number(chance, rows_.states());
-  now_.assign(rows_.size(), 0.0);
-  now_[0] = 1.0;
+  now_ = rows_.start();
+  now_.resize(rows_.size(), 0.0);
   double met = 0.0;
   for (std::uint32_t step = 0; step < steps; ++step) {
     next_.assign(rows_.size(), 0.0);
@@ -57,8 +57,9 @@ double ExactEvents::within(std::span<const double> chance, std::uint32_t steps) 
 // The states that the walk can be in while the event has not happened. [reached]
 std::vector<bool> ExactEvents::before_event(const std::vector<double>& chance) const {
   std::vector<bool> alive(rows_.size(), false);
-  std::vector<std::uint32_t> open{0};
-  alive[0] = true;
+  std::vector<std::uint32_t> open(rows_.chain().starts().size());
+  std::iota(open.begin(), open.end(), 0U);
+  std::fill_n(alive.begin(), open.size(), true);
   while (!open.empty()) {  // ends: every state is opened once
     const std::uint32_t k = open.back();
     open.pop_back();
@@ -114,7 +115,9 @@ std::optional<FirstEvent> ExactEvents::ever(std::span<const double> chance_of_st
   const std::vector<double> chance = by_number(chance_of_state, rows_.states());
   const std::vector<bool> alive = before_event(chance);
   const std::vector<bool> leads = leading_to_event(chance, alive);
-  if (!leads[0]) {
+  const std::vector<double> start = rows_.start();
+  if (std::none_of(leads.begin(), leads.begin() + static_cast<std::ptrdiff_t>(start.size()),
+                   [](bool leads_there) { return leads_there; })) {
     return FirstEvent{};
   }
   std::vector<std::uint32_t> number(rows_.size(), kOutside);
@@ -163,12 +166,18 @@ std::optional<FirstEvent> ExactEvents::ever(std::span<const double> chance_of_st
     return std::nullopt;
   }
   std::vector<double> visits(inside.size(), 0.0);
-  visits[number[0]] = 1.0;
+  double without = 0.0;
+  for (std::size_t k = 0; k < start.size(); ++k) {
+    if (number[k] == kOutside) {
+      without += start[k];
+    } else {
+      visits[number[k]] = start[k];
+    }
+  }
   lu_.solve(visits);
   std::vector<double> weighted = visits;
   lu_.solve(weighted);
   FirstEvent result;
-  double without = 0.0;
   for (std::size_t j = 0; j < inside.size(); ++j) {
     result.probability += visits[j] * chance[inside[j]];
     result.steps += weighted[j] * chance[inside[j]];

@@ -21,6 +21,10 @@ struct SparseLu::Klu : Eigen::KLU<Matrix> {
     kluCommon().scale = 0;
   }
   double entries_expected() const { return m_symbolic->lnz + m_symbolic->unz; }
+  // Eigen offers the solution of the system itself only. In place.
+  bool solve_transposed(std::vector<double>& b) {
+    return klu_tsolve(m_symbolic, m_numeric, static_cast<int>(b.size()), 1, b.data(), &m_common) != 0;
+  }
 };
 
 SparseLu::SparseLu() : klu_(std::make_unique<Klu>()) {}
@@ -54,5 +58,7 @@ void SparseLu::solve(std::vector<double>& b) const {
   COPPICE_CHECK(klu_->info() == Eigen::Success);
   mapped = x;
 }
+
+void SparseLu::solve_transposed(std::vector<double>& b) const { COPPICE_CHECK(klu_->solve_transposed(b)); }
 
 }  // namespace coppice

@@ -30,6 +30,8 @@ class SparseLu {
   [[nodiscard]] bool factorise(const SparseColumns& matrix);
   // b becomes x of A x = b. REQUIRES: factorise() was true, b.size() == columns.
   void solve(std::vector<double>& b) const;
+  // b becomes x of (A transposed) x = b, by the same factors. REQUIRES: as solve().
+  void solve_transposed(std::vector<double>& b) const;
 
  private:
   struct Klu;

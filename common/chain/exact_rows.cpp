@@ -29,7 +29,18 @@ void ReachedRows::begin(const ActingTables& acting) {
   begin_.assign(1, 0);
   transitions_.clear();
   uniform_.clear();
-  number_of(chain_.initial_state());
+  for (const StartShare& start : chain_.starts()) {
+    number_of(start.state);
+  }
+}
+
+std::vector<double> ReachedRows::start() const {
+  std::vector<double> shares;
+  shares.reserve(chain_.starts().size());
+  for (const StartShare& start : chain_.starts()) {
+    shares.push_back(static_cast<double>(start.count) / static_cast<double>(chain_.starts_total()));
+  }
+  return shares;
 }
 
 std::uint32_t ReachedRows::number_of(std::uint32_t state) {
@@ -48,7 +59,7 @@ void ReachedRows::discover_all() {
 
 void ReachedRows::add(std::uint32_t to, double probability) { transitions_.push_back({to, probability}); }
 
-void ReachedRows::add_action(std::uint32_t state, std::uint8_t action, double share) {
+void ReachedRows::add_action(std::uint32_t state, std::size_t action, double share) {
   if (share == 0.0) {
     return;
   }
@@ -81,12 +92,13 @@ void ReachedRows::expand(std::size_t rows) {
   while (uniform_.size() < rows) {
     const std::uint32_t state = states_[uniform_.size()];
     uniform_.push_back(0.0);
-    const std::uint8_t action = acting_.actions[state];
-    if (acting_.others_share == 0.0 || acting_.others[state] == action) {
+    const std::size_t action = chain_.taken(state, acting_.actions[state]);
+    const std::size_t other = acting_.others_share == 0.0 ? action : chain_.taken(state, acting_.others[state]);
+    if (other == action) {
       add_action(state, action, 1.0);
     } else {
       add_action(state, action, 1.0 - acting_.others_share);
-      add_action(state, acting_.others[state], acting_.others_share);
+      add_action(state, other, acting_.others_share);
       // The two actions may share successors: one transition each.
       const auto first = transitions_.begin() + static_cast<std::ptrdiff_t>(begin_.back());
       std::sort(first, transitions_.end(), [](const Transition& a, const Transition& b) {

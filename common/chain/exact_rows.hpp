@@ -1,8 +1,9 @@
 // The transitions of the states that the walk can reach when given action tables act, as compact rows: states are
-// numbered in the order of discovery (breadth first from the initial state), so what is summed over them is summed in
-// one order, whatever the chain's numbering. Two kinds of transition have no row in the chain: "no action" stays
-// where it is, and a pair that was never tried leads to every state alike; the latter is kept as one number for each
-// row (its uniform share), never as a row of all states. Scratch memory of one thread.
+// numbered in the order of discovery (breadth first from the states where episodes start), so what is summed over them
+// is summed in one order, whatever the chain's numbering. What takes place is Chain::taken() of what acts. Two kinds of
+// transition have no row in the chain: a state that is held stays where it is, and a pair that was never tried leads to
+// every state alike; the latter is kept as one number for each row (its uniform share), never as a row of all states.
+// Scratch memory of one thread.
 #pragma once
 
 #include <cstddef>
@@ -35,7 +36,7 @@ class ReachedRows {
   // From now on transition i of the chain has this probability instead of count / tries; empty: count / tries again.
   // [transitions of the chain] REQUIRES: they outlive the calls of expand(); those of a row that is tried sum to 1.
   void set_probabilities(std::span<const double> probabilities);
-  // Forgets everything; only the initial state is discovered, as number 0.
+  // Forgets everything; only the states where episodes start are discovered, numbered as in Chain::starts().
   // REQUIRES: the tables outlive the calls of expand().
   void begin(const ActingTables& acting);
   // Makes the rows of the states 0..rows - 1, which discovers their successors. REQUIRES: rows <= size().
@@ -44,6 +45,9 @@ class ReachedRows {
   void expand_all();
   // Numbers all states of the chain: a uniform share leads everywhere.
   void discover_all();
+
+  // The probability that an episode starts in each of the first states. [Chain::starts()]
+  std::vector<double> start() const;
 
   std::size_t size() const { return states_.size(); }
   // The chain's states by number.
@@ -60,7 +64,7 @@ class ReachedRows {
  private:
   std::uint32_t number_of(std::uint32_t state);
   void add(std::uint32_t to, double probability);
-  void add_action(std::uint32_t state, std::uint8_t action, double share);
+  void add_action(std::uint32_t state, std::size_t action, double share);
 
   const Chain& chain_;
   std::span<const double> probabilities_;

@@ -12,10 +12,12 @@ namespace coppice {
 
 class LazyRow {
  public:
-  // `action`: an index, or the number of actions for "no action", which stays. draw_more as in unit_of(). One thread.
+  // `chosen`: an index, or the number of actions for none; what takes place is Chain::taken(). draw_more as in
+  // unit_of(). One thread.
   template <typename DrawMore>
-  std::uint32_t sample(const Chain& chain, std::uint32_t state, std::size_t action, std::uint32_t x,
+  std::uint32_t sample(const Chain& chain, std::uint32_t state, std::size_t chosen, std::uint32_t x,
                        const DrawMore& draw_more) {
+    const std::size_t action = chain.taken(state, chosen);
     if (action == chain.actions()) {
       return state;
     }

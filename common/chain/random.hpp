@@ -25,6 +25,8 @@ enum class Purpose : std::uint32_t {
   growing = 5,
   simulating = 6,
   starting = 7,
+  migrating = 8,
+  meeting = 9,
 };
 
 // 64 random bits at a place: 2^32 positions in each of 2^32 x 2^32 streams of each purpose and seed.

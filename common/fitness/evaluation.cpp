@@ -43,10 +43,17 @@ void Evaluation::begin(std::shared_ptr<const PreparedJob> job) {
   rows_.resize(trees * tables * states);
   matches_.resize(job_->lanes());
   path_.resize(scores_path_ ? std::size_t{job_->job().steps} * job_->lanes() : 0);
-  first_row_.assign(job_->lanes(), 0);  // lanes without a tree walk with the first one's rows
+  first_row_.assign(job_->lanes(), 0);
+}
+
+// Lanes beyond those in use fill the last vector and walk for nothing: with the rows of the pass's first tree, for
+// those of any other tree are left over from an earlier pass, perhaps through another chain, whose states are not this
+// one's.
+void Evaluation::point_lanes(std::uint32_t used) {
+  const std::size_t tables = job_->job().acting == Acting::mixed ? 2 : 1;
+  const std::size_t rows_per_tree = tables * job_->chain().chain().states();
   for (std::uint32_t lane = 0; lane < job_->lanes(); ++lane) {
-    const std::size_t tree = job_->tree_of(lane);
-    first_row_[lane] = static_cast<std::uint32_t>(tree < trees ? tree * tables * states : 0);
+    first_row_[lane] = lane < used ? static_cast<std::uint32_t>(job_->tree_of(lane) * rows_per_tree) : 0;
   }
 }
 
@@ -120,15 +127,18 @@ void Evaluation::walk_waiting() {
     const std::uint8_t* policy = chain.policy().data();
     if (acting != Acting::policy) {
       choose_rows({chain.rows(), actions, actions, policy, states}, out, simd_);
+      flag_terminals(out);
       out += states;
     }
     if (acting != Acting::tree) {
       choose_rows({chain.rows(), policy, actions, policy, states}, out, simd_);
+      flag_terminals(out);
       out += states;
     }
   }
   for (std::uint32_t pass = 0; pass < job_->passes(); ++pass) {
     const std::uint32_t used = job_->lanes_used(pass, static_cast<std::uint32_t>(waiting_.size()));
+    point_lanes(used);
     walk({*job_, pass, used, rows_.data(), first_row_.data(), matches_.data(), scores_path_ ? path_.data() : nullptr},
          simd_);
     for (std::uint32_t lane = 0; lane < used; ++lane) {
@@ -146,6 +156,15 @@ void Evaluation::walk_waiting() {
     }
   }
   waiting_.clear();
+}
+
+// Nothing is decided where an episode has ended: whatever was chosen there is the policy's choice, too, and all rows of
+// the state are alike.
+void Evaluation::flag_terminals(PackedRow* rows) const {
+  const PreparedChain& chain = job_->chain();
+  for (const std::uint32_t state : chain.chain().parts().terminals) {
+    rows[state] = chain.rows().row(state, 0) | kRowFlag;
+  }
 }
 
 void Evaluation::score_path(std::uint32_t pass) {

@@ -46,7 +46,9 @@ class Evaluation {
   std::size_t known_index_of(const Tree& tree);
   std::span<std::uint8_t> actions_of(std::size_t waiting);
   void walk_waiting();
+  void point_lanes(std::uint32_t used);
   void walk_lazily(const Tree& tree, Tally& tally);
+  void flag_terminals(PackedRow* rows) const;
   void score_path(std::uint32_t pass);
   void score_states(std::span<const std::uint8_t> actions, Tally& tally) const;
 

@@ -53,10 +53,12 @@ void ExactEvaluation::score_walks(std::span<const std::uint8_t> actions, Tally& 
   // Visits sum to `steps` or, as means per step, to 1; either way a power of two.
   const auto factor = static_cast<double>(job.method == Method::exact ? tally.steps / job.steps : tally.steps);
   const std::vector<std::uint8_t>& policy = job_->chain().policy();
+  const bool has_terminals = !job_->chain().chain().parts().terminals.empty();
   double matches = 0.0;
   for (std::size_t i = 0; i < occupancy->states.size(); ++i) {
     const std::uint32_t state = occupancy->states[i];
-    matches += actions[state] == policy[state] ? occupancy->visits[i] : 0.0;
+    const bool agrees = actions[state] == policy[state] || (has_terminals && job_->chain().chain().is_terminal(state));
+    matches += agrees ? occupancy->visits[i] : 0.0;
   }
   const auto rounded = static_cast<std::uint64_t>(std::llround(std::max(matches, 0.0) * factor));
   tally.matches = std::min(rounded, tally.steps);

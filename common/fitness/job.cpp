@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "common/chain/exact.hpp"
+#include "common/named.hpp"
 
 namespace coppice {
 namespace {
@@ -19,33 +20,15 @@ constexpr double kTwo64 = 18446744073709551616.0;
 
 std::string_view name_of(Acting acting) { return kActingNames.at(static_cast<std::size_t>(acting)); }
 
-Result<Acting> acting_named(std::string_view name) {
-  const auto found = std::find(kActingNames.begin(), kActingNames.end(), name);
-  if (found == kActingNames.end()) {
-    return bad_input(fmt::format("no acting policy '{}': expected one of {}", name, fmt::join(kActingNames, ", ")));
-  }
-  return static_cast<Acting>(found - kActingNames.begin());
-}
+Result<Acting> acting_named(std::string_view name) { return value_named<Acting>("acting policy", name, kActingNames); }
 
 std::string_view name_of(Method method) { return kMethodNames.at(static_cast<std::size_t>(method)); }
 
-Result<Method> method_named(std::string_view name) {
-  const auto found = std::find(kMethodNames.begin(), kMethodNames.end(), name);
-  if (found == kMethodNames.end()) {
-    return bad_input(fmt::format("no method '{}': expected one of {}", name, fmt::join(kMethodNames, ", ")));
-  }
-  return static_cast<Method>(found - kMethodNames.begin());
-}
+Result<Method> method_named(std::string_view name) { return value_named<Method>("method", name, kMethodNames); }
 
 std::string_view name_of(Start start) { return kStartNames.at(static_cast<std::size_t>(start)); }
 
-Result<Start> start_named(std::string_view name) {
-  const auto found = std::find(kStartNames.begin(), kStartNames.end(), name);
-  if (found == kStartNames.end()) {
-    return bad_input(fmt::format("no start '{}': expected one of {}", name, fmt::join(kStartNames, ", ")));
-  }
-  return static_cast<Start>(found - kStartNames.begin());
-}
+Result<Start> start_named(std::string_view name) { return value_named<Start>("start", name, kStartNames); }
 
 std::uint64_t fixed_point_share(double value) {
   return value >= 1.0 ? ~std::uint64_t{0} : static_cast<std::uint64_t>(value * kTwo64);

@@ -16,8 +16,8 @@ enum class Acting : std::uint8_t { tree = 0, policy = 1, mixed = 2 };
 std::string_view name_of(Acting acting);
 Result<Acting> acting_named(std::string_view name);
 
-// Where a roll-out starts: in the chain's initial state, or in a state drawn as often as it was visited in learning, or
-// uniformly: starts that reach what walks from the initial state rarely meet.
+// Where a roll-out starts: where the chain's episodes do, or in a state drawn as often as it was visited in learning,
+// or uniformly: starts that reach what walks from the initial state rarely meet.
 enum class Start : std::uint8_t { initial = 0, visits = 1, uniform = 2 };
 inline constexpr std::uint8_t kStarts = 3;
 
@@ -49,7 +49,7 @@ struct Job {
   Acting acting = Acting::tree;
   std::uint64_t policy_share = 0;  // mixed: the policy acts in a step with probability policy_share / 2^64
   Method method = Method::rollouts;
-  Start start = Start::initial;  // of roll-outs; the other methods start in the initial state
+  Start start = Start::initial;  // of roll-outs; the other methods start where episodes do
   std::uint64_t gamma = 0;       // discounted: step i weighs (gamma / 2^64)^i; 0 otherwise
   std::uint64_t seed = 0;        // of the run
   std::uint32_t generation = 0;  // with the seed and the roll-out, it names the stream of random numbers

@@ -40,6 +40,7 @@ std::uint64_t LazyWalk::walk_pass(const Tree& tree, std::uint32_t pass, bool rec
   const std::uint8_t* policy_acts = job_.policy_acts(pass);
   std::array<std::uint32_t, PreparedJob::kPassLanes> state;
   std::copy_n(job_.starts(pass), job_.lanes(), state.begin());
+  const bool has_terminals = !chain.parts().terminals.empty();
   std::uint64_t matches = 0;
   for (std::uint32_t step = 0; step < job.steps; ++step) {
     for (std::uint32_t lane = 0; lane < lanes; ++lane) {
@@ -48,7 +49,7 @@ std::uint64_t LazyWalk::walk_pass(const Tree& tree, std::uint32_t pass, bool rec
       const ActionId action = tick(tree, chain.features_of(here));
       const ActionId policy = chain.policy(here);
       const std::size_t chosen = action == kNoAction ? chain.actions() : index_of(action);
-      matches += action == policy ? 1 : 0;
+      matches += action == policy || (has_terminals && chain.is_terminal(here)) ? 1 : 0;
       if (record) {
         path_.push_back(here);
         path_actions_.push_back(static_cast<std::uint8_t>(chosen));

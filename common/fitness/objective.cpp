@@ -4,19 +4,17 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 #include "common/check.hpp"
+#include "common/named.hpp"
+#include "common/tree/condition.hpp"
 
 namespace coppice {
 namespace {
 
 constexpr std::array<std::string_view, kObjectiveKinds> kNames = {
     "agreement", "q_value", "shaped", "coverage", "visits", "return", "regret", "seen", "collisions", "unknown"};
-
-bool holds(const Node& condition, std::span<const std::uint8_t> features) {
-  const std::uint8_t value = features[condition.index];
-  return condition.op == Op::equal ? value == condition.value : value <= condition.value;
-}
 
 Result<void> check_rules(const Chain& chain, const std::vector<ShapedRule>& rules) {
   if (rules.empty() || rules.size() > kMaxShapedRules) {
@@ -99,6 +97,7 @@ class TableMaker {
         fill_unwanted();
         break;
     }
+    agree_where_episodes_end();
     find_best();
     return std::move(table_);
   }
@@ -143,6 +142,7 @@ class TableMaker {
         }
         at(s, a) = *score;
       }
+      give_what_is_taken(s);
     }
     return {};
   }
@@ -156,10 +156,14 @@ class TableMaker {
     const std::size_t actions = chain_.actions();
     for (std::size_t s = 0; s < chain_.states(); ++s) {
       const double* q = chain_.parts().q.data() + s * actions;
-      const double best = *std::max_element(q, q + actions);
+      const double best =
+          q[index_of(chain_.policy(s))] > highest_allowed(s) ? q[index_of(chain_.policy(s))] : highest_allowed(s);
       const double share = visits > 0.0 ? static_cast<double>(chain_.parts().visits[s]) / visits : 0.0;
       std::int64_t worst = 0;
       for (std::size_t a = 0; a < actions; ++a) {
+        if (chain_.is_forbidden(s, a)) {
+          continue;
+        }
         if (!(best - q[a] <= 2.0 * kMaxScoredValue)) {
           return bad_input(fmt::format("objective 'regret': state {} has Q-values {} apart: expected at most {}", s,
                                        best - q[a], 2.0 * kMaxScoredValue));
@@ -168,21 +172,56 @@ class TableMaker {
         worst = std::max(worst, at(s, a));
       }
       at(s, actions) = worst;
+      give_what_is_taken(s, worst);
     }
     return {};
   }
 
+  // Of the state's actions that are not forbidden.
+  double highest_allowed(std::size_t state) const {
+    const double* q = chain_.parts().q.data() + state * chain_.actions();
+    double highest = -std::numeric_limits<double>::infinity();
+    for (std::size_t a = 0; a < chain_.actions(); ++a) {
+      highest = chain_.is_forbidden(state, a) ? highest : std::max(highest, q[a]);
+    }
+    return highest;
+  }
+
+  // No action, or a forbidden one, scores as the action that takes place instead; where the state is held, `held`.
+  void give_what_is_taken(std::size_t state, std::int64_t held = 0) {
+    for (std::size_t chosen = 0; chosen <= chain_.actions(); ++chosen) {
+      const std::size_t taken = chain_.taken(state, chosen);
+      if (taken != chosen || taken == chain_.actions()) {
+        at(state, chosen) = taken == chain_.actions() ? held : at(state, taken);
+      }
+    }
+  }
+
+  // Nothing is decided there: whatever is chosen scores as the policy's choice.
+  void agree_where_episodes_end() {
+    for (const std::uint32_t state : chain_.parts().terminals) {
+      std::fill_n(&at(state, 0), chain_.actions() + 1, at(state, index_of(chain_.policy(state))));
+    }
+  }
+
   // Steps that count once: into a collision, or off the edge of what the chain knows.
   void fill_unwanted() {
+    const bool told = objective_.kind == ObjectiveKind::collisions && !chain_.parts().collisions.empty();
+    table_.unit = told ? kScoreOne : 1.0;
     for (std::size_t s = 0; s < chain_.states(); ++s) {
       for (std::size_t a = 0; a < chain_.actions(); ++a) {
         const std::size_t row = s * chain_.actions() + a;
+        if (told) {
+          at(s, a) = std::llround(chain_.collision_share(row) * kScoreOne);
+          continue;
+        }
         const bool tried = chain_.tries(row) > 0;
         const bool counts = objective_.kind == ObjectiveKind::unknown
                                 ? !tried
                                 : tried && chain_.mean_reward(row) <= objective_.threshold;
         at(s, a) = counts ? 1 : 0;
       }
+      give_what_is_taken(s);
     }
   }
 
@@ -207,11 +246,7 @@ class TableMaker {
 std::string_view name_of(ObjectiveKind kind) { return kNames.at(static_cast<std::size_t>(kind)); }
 
 Result<ObjectiveKind> objective_named(std::string_view name) {
-  const auto found = std::find(kNames.begin(), kNames.end(), name);
-  if (found == kNames.end()) {
-    return bad_input(fmt::format("no objective '{}': expected one of {}", name, fmt::join(kNames, ", ")));
-  }
-  return static_cast<ObjectiveKind>(found - kNames.begin());
+  return value_named<ObjectiveKind>("objective", name, kNames);
 }
 
 Result<std::vector<ShapedRule>> thesis_rules(const Vocabulary& vocabulary) {

@@ -1,7 +1,8 @@
 // What is scored. Every objective is an integer table of scores [states x (actions + 1)], the last column being "no
-// action"; an individual's tally is the sum of the table along its roll-outs or over all states. Integers make
-// a tally independent of the order of summation, hence of threads, SIMD width and machine. Quantities that are
-// not integral (Q-values, mean rewards) are rounded once, to fixed point, when the table is made.
+// action"; no action, or one that the state lacks, scores as what takes place instead (Chain::taken), but that it never
+// counts as agreement. An individual's tally is the sum of the table along its roll-outs or over all states. Integers
+// make a tally independent of the order of summation, hence of threads, SIMD width and machine. Quantities that are not
+// integral (Q-values, mean rewards) are rounded once, to fixed point, when the table is made.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +25,9 @@ enum class ObjectiveKind : std::uint8_t {
   expected_return = 5,  // mean reward recorded for (s, a) along the walk, fixed point; called "return" in text
   regret = 6,           // cost: V(s) - Q(s, tree's action), each state as often as it was visited; no walk
   seen = 7,             // coverage of the states that were visited `threshold` times or more; no walk
-  collisions = 8,       // cost: steps of the walk whose recorded mean reward is `threshold` or less
-  unknown = 9,          // cost: steps of the walk whose (s, a) was never tried, so that nothing is known of them
+  collisions = 8,  // cost: steps of the walk that are collisions, where the chain says which tries were; else those
+                   // whose recorded mean reward is `threshold` or less
+  unknown = 9,     // cost: steps of the walk whose (s, a) was never tried, so that nothing is known of them
 };
 inline constexpr std::uint8_t kObjectiveKinds = 10;
 

@@ -77,9 +77,17 @@ std::uint32_t PreparedJob::lanes_used(std::uint32_t pass, std::uint32_t trees) c
 void PreparedJob::draw_starts() {
   const Chain& chain = chain_->chain();
   starts_.assign(std::size_t{passes_} * lanes_, chain.initial_state());
-  if (job_.start == Start::initial) {
+  if (job_.start == Start::initial && chain.starts().size() == 1) {
     return;
   }
+  std::vector<std::uint64_t> shares_to;  // [starts of the chain], of this one and all before it
+  for (const StartShare& start : chain.starts()) {
+    shares_to.push_back(start.count + (shares_to.empty() ? 0 : shares_to.back()));
+  }
+  const auto initial = [&](Stream& stream) {
+    const auto found = std::upper_bound(shares_to.begin(), shares_to.end(), stream.below(shares_to.back()));
+    return chain.starts()[static_cast<std::size_t>(found - shares_to.begin())].state;
+  };
   std::vector<std::uint64_t> visits_to;  // [states], of this state and all before it
   if (job_.start == Start::visits) {
     visits_to.resize(chain.states());
@@ -90,11 +98,13 @@ void PreparedJob::draw_starts() {
     std::uint64_t state = 0;
     if (job_.start == Start::uniform) {
       state = stream.below(chain.states());
+    } else if (job_.start == Start::initial) {
+      state = initial(stream);
     } else if (visits_to.back() > 0) {  // a chain without visits has no other start than its own
       const auto found = std::upper_bound(visits_to.begin(), visits_to.end(), stream.below(visits_to.back()));
       state = static_cast<std::uint64_t>(found - visits_to.begin());
     } else {
-      state = chain.initial_state();
+      state = chain.starts().size() == 1 ? chain.initial_state() : initial(stream);
     }
     const std::size_t first = std::size_t{rollout / kPassLanes} * lanes_ + rollout % kPassLanes;
     for (std::uint32_t tree = 0; tree < trees_per_pass_; ++tree) {

@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kBlockWords = StateColumns::kBlockWords;
 constexpr std::size_t kMaxBlocks = 4;  // evaluated at once: a node is decoded once for all of them
 constexpr std::size_t kWordBits = 64;
-constexpr std::size_t kMaxPlanes = 7;  // codes 0 (nothing written) to kMaxActions
+constexpr std::size_t kMaxPlanes = 8;  // codes 0 (nothing written) to kMaxActions
 static_assert((std::size_t{1} << kMaxPlanes) > kMaxActions);
 
 #define COPPICE_INLINE [[gnu::always_inline]] inline
@@ -134,7 +134,13 @@ constexpr std::uint64_t kHighBits = 0x8080808080808080U;
 constexpr std::uint64_t kOnes = 0x0101010101010101U;
 
 // Eight codes to eight results at once: code - 1, and `none` for code 0.
+template <bool kHighCodes>
 COPPICE_INLINE std::uint64_t results_of(std::uint64_t codes, std::uint64_t none) {
+  if constexpr (kHighCodes) {  // some code has bit 7
+    const std::uint64_t actions = ((codes | kHighBits) - kOnes) ^ (~codes & kHighBits);
+    const std::uint64_t zero = ~(((codes & ~kHighBits) + ~kHighBits) | codes) & kHighBits;
+    return actions ^ ((zero >> 7U) * (none ^ 0xFFU));
+  }
   const std::uint64_t actions = ((codes | kHighBits) - kOnes) ^ kHighBits;  // 0xFF for code 0
   return actions ^ (((actions >> 7U) & kOnes) * (none ^ 0xFFU));
 }
@@ -158,7 +164,7 @@ COPPICE_INLINE void expand_word(const Planes<kWords>& blackboard, std::size_t wo
     for (std::size_t p = 0; p < kPlanes; ++p) {
       codes |= kSpread[(blackboard[p][word] >> shift) & 0xFFU] << p;
     }
-    put_bytes(results_of(codes, none), out + shift);
+    put_bytes(results_of<(kPlanes == kMaxPlanes)>(codes, none), out + shift);
   }
 }
 
@@ -183,7 +189,7 @@ void expand_portable(const Planes<kWords>& blackboard, std::size_t planes, std::
   using Expand = void (*)(const Planes<kWords>&, std::uint64_t, std::span<std::uint8_t>);
   constexpr std::array<Expand, kMaxPlanes + 1> kExpandOf = {expand<0, kWords>, expand<1, kWords>, expand<2, kWords>,
                                                             expand<3, kWords>, expand<4, kWords>, expand<5, kWords>,
-                                                            expand<6, kWords>, expand<7, kWords>};
+                                                            expand<6, kWords>, expand<7, kWords>, expand<8, kWords>};
   kExpandOf[planes](blackboard, none, out);
 }
 

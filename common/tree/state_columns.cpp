@@ -1,11 +1,11 @@
 #include "common/tree/state_columns.hpp"
 
+#include "common/tree/condition.hpp"
+
 namespace coppice {
 namespace {
 
 constexpr std::size_t kWordBits = 64;
-
-bool holds(Op op, std::uint8_t read, std::uint8_t value) { return op == Op::equal ? read == value : read <= value; }
 
 }  // namespace
 

@@ -1,7 +1,5 @@
 #include "common/tree/text.hpp"
 
-#include <algorithm>
-#include <charconv>
 #include <fmt/format.h>
 #include <optional>
 #include <vector>
@@ -88,6 +86,13 @@ class Parser {
     }
     return text_.substr(begin, at_ - begin);
   }
+  std::string_view number() {
+    const std::size_t begin = at_;
+    while (at_ < text_.size() && (is_word(text_[at_]) || text_[at_] == '.' || text_[at_] == '-' || text_[at_] == '+')) {
+      ++at_;
+    }
+    return text_.substr(begin, at_ - begin);
+  }
   std::string found() const { return at_ < text_.size() ? quoted(text_.substr(at_, 1)) : "the end"; }
 
   static tl::unexpected<Error> wrong(std::size_t at, const std::string& what, const std::string& expected) {
@@ -169,16 +174,13 @@ class Parser {
                    fmt::format("{} after feature '{}'", operators_of(feature), feature.name));
     }
     const std::size_t begin_value = at_;
-    const std::string_view digits = word();
-    std::uint8_t value = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    const bool is_number =
-        error == std::errc{} && end == digits.data() + digits.size() && (digits.size() == 1 || digits.front() != '0');
-    if (!is_number || !std::binary_search(feature.values.begin(), feature.values.end(), value)) {
+    const std::string_view digits = feature.scale == Scale::plain ? word() : number();
+    const std::optional<std::uint8_t> value = feature.value_of_text(digits);
+    if (!value) {
       return wrong(begin_value, digits.empty() ? found() : quoted(digits),
-                   fmt::format("a value of feature '{}': one of {}", feature.name, fmt::join(feature.values, ", ")));
+                   fmt::format("a value of feature '{}': one of {}", feature.name, feature.values_text()));
     }
-    nodes_.push_back(Node::condition(index, op, value));
+    nodes_.push_back(Node::condition(index, op, *value));
     return separated("after a condition");
   }
 
@@ -230,7 +232,8 @@ std::string to_text(const Node& node, const Vocabulary& vocabulary) {
       return "selector";
     case NodeKind::condition:
       COPPICE_CHECK(node.index < vocabulary.features.size());
-      return fmt::format("{}{}{}", vocabulary.features[node.index].name, node.op == Op::equal ? "=" : "<=", node.value);
+      return fmt::format("{}{}{}", vocabulary.features[node.index].name,
+                         node.op == Op::equal ? "=" : "<=", vocabulary.features[node.index].number_text(node.value));
     case NodeKind::action:
       COPPICE_CHECK(node.index < vocabulary.actions.size());
       return vocabulary.actions[node.index];

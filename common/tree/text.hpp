@@ -1,7 +1,8 @@
 // The text form of a tree, one line, used in logs, on the command line and in tests:
 //   (selector (sequence s3=0 turn_left) (sequence s1=3 s3=1 turn_left) move)
 // Grammar: tree = leaf | "(" ("sequence" | "selector") tree+ ")"; leaf = action name | feature name op value;
-// op = "=" | "<="; blanks (space, tab) separate. Names come from the vocabulary.
+// op = "=" | "<="; blanks (space, tab) separate. Names come from the vocabulary; values are written in the feature's
+// own unit (Feature::number_text): pole_angle<=0.0419.
 #pragma once
 
 #include <cstddef>

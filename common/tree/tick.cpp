@@ -1,20 +1,19 @@
 #include "common/tree/tick.hpp"
 
+#include <algorithm>
+
 #include "common/check.hpp"
+#include "common/tree/condition.hpp"
 
 namespace coppice {
 namespace {
 
+// Holds: whether a condition does, by what is observed.
+template <typename Holds>
 struct Tick {
   std::span<const Node> nodes;
-  std::span<const std::uint8_t> features;
+  Holds holds;
   ActionId blackboard = kNoAction;
-
-  bool holds(const Node& condition) const {
-    COPPICE_CHECK(condition.index < features.size());
-    const std::uint8_t read = features[condition.index];
-    return condition.op == Op::equal ? read == condition.value : read <= condition.value;
-  }
 
   // The status of node i; writes to the blackboard on the way.
   bool succeeds(std::size_t i) {
@@ -48,7 +47,31 @@ struct Tick {
 }  // namespace
 
 ActionId tick(const Tree& tree, std::span<const std::uint8_t> features) {
-  Tick run{tree.nodes(), features};
+  const auto holds = [features](const Node& condition) {
+    COPPICE_CHECK(condition.index < features.size());
+    return coppice::holds(condition, features);
+  };
+  Tick<decltype(holds)> run{tree.nodes(), holds};
+  run.succeeds(0);
+  return run.blackboard;
+}
+
+ActionId tick_readings(const Tree& tree, const Vocabulary& vocabulary, std::span<const double> readings) {
+  COPPICE_CHECK(readings.size() == vocabulary.features.size());
+  const auto holds = [&](const Node& condition) {
+    const Feature& feature = vocabulary.features[condition.index];
+    double number = condition.value;
+    if (feature.scale != Scale::plain) {
+      const auto value = std::lower_bound(feature.values.begin(), feature.values.end(), condition.value);
+      const auto place = static_cast<std::size_t>(value - feature.values.begin());
+      if (place == feature.numbers.size()) {  // the last bin has no upper edge
+        return true;
+      }
+      number = feature.numbers[place];
+    }
+    return condition.op == Op::equal ? readings[condition.index] == number : readings[condition.index] <= number;
+  };
+  Tick<decltype(holds)> run{tree.nodes(), holds};
   run.succeeds(0);
   return run.blackboard;
 }

@@ -15,4 +15,9 @@ namespace coppice {
 // REQUIRES: features holds one value per feature that the tree tests.
 ActionId tick(const Tree& tree, std::span<const std::uint8_t> features);
 
+// The same for readings, each in its feature's own unit, also such as the vocabulary does not declare: "x=3" holds for
+// 3 alone, "x<=0.5" for whatever is not above, whatever the last bin's name for all. What exported programs do.
+// REQUIRES: check_tree(tree, vocabulary), one reading per feature, none NaN.
+ActionId tick_readings(const Tree& tree, const Vocabulary& vocabulary, std::span<const double> readings);
+
 }  // namespace coppice

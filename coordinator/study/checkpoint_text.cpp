@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
+#include <iterator>
 #include <optional>
 #include <system_error>
 
@@ -53,6 +54,47 @@ Result<FitTrees> population_from_text(std::string_view text, const Vocabulary& v
     text.remove_prefix(end + 1);
   }
   return population;
+}
+
+std::string archives_text(const KeptTrees& archives, const Vocabulary& vocabulary) {
+  std::string text;
+  std::size_t slot = 0;
+  const auto write = [&](std::size_t end) {
+    for (; slot < end; ++slot) {
+      text += fmt::format("0\t{}\n", to_text(archives.trees[slot], vocabulary));
+    }
+  };
+  for (const std::size_t kept : archives.kept) {
+    COPPICE_CHECK(kept <= archives.trees.size() - slot);
+    write(slot + kept);
+    text += '\n';
+  }
+  COPPICE_CHECK(archives.kept.empty() || slot == archives.trees.size());
+  write(archives.trees.size());
+  return text;
+}
+
+Result<KeptTrees> archives_from_text(std::string_view text, const Vocabulary& vocabulary) {
+  KeptTrees archives;
+  while (!text.empty()) {
+    const std::size_t empty_line = text.front() == '\n' ? 0 : text.find("\n\n");
+    const bool closed = empty_line != std::string_view::npos;
+    const std::size_t end = !closed ? text.size() : empty_line == 0 ? 0 : empty_line + 1;
+    auto archive = population_from_text(text.substr(0, end), vocabulary);
+    if (!archive) {
+      return archives.kept.empty() ? tl::unexpected(archive.error())
+                                   : in_context(fmt::format("deme {}", archives.kept.size()), archive.error());
+    }
+    if (!closed && !archives.kept.empty()) {
+      return bad_input(fmt::format("deme {}: expected an empty line at its end", archives.kept.size()));
+    }
+    if (closed) {
+      archives.kept.push_back(archive->trees.size());
+    }
+    std::move(archive->trees.begin(), archive->trees.end(), std::back_inserter(archives.trees));
+    text.remove_prefix(closed ? end + 1 : end);
+  }
+  return archives;
 }
 
 }  // namespace coppice

@@ -13,8 +13,10 @@ namespace coppice {
 namespace {
 
 constexpr int kApplicationId = 0x436F7070;  // "Copp"
-// 2: other draws for roll-outs than before; 3: fronts, and the archive of a checkpoint
-constexpr int kSchemaVersion = 3;
+// 2: other draws for roll-outs than before; 3: fronts, and the archive of a checkpoint; 4: the problem
+constexpr int kSchemaVersion = 4;
+constexpr int kProblemVersion = 4;
+constexpr int kOldestVersion = 3;  // read as it is, and brought up to date when it is opened to write
 
 constexpr const char* kSchema = R"(
 CREATE TABLE study(
@@ -25,7 +27,8 @@ CREATE TABLE study(
   world_kind     TEXT NOT NULL,
   world_room     TEXT NOT NULL,
   learn_settings TEXT NOT NULL,     -- JSON
-  learn_outcome  TEXT NOT NULL      -- JSON
+  learn_outcome  TEXT NOT NULL,     -- JSON
+  problem        TEXT NOT NULL DEFAULT '' -- JSON, coordinator/problem/problem.hpp; empty: that of the world
 ) STRICT;
 CREATE TABLE runs(
   id          INTEGER PRIMARY KEY AUTOINCREMENT,
@@ -114,7 +117,21 @@ Result<void> check_length(const std::string& path, SQLite::Database& database) {
   return {};
 }
 
+void bring_up_to_date(SQLite::Database& database) {
+  if (pragma(database, "user_version") == kSchemaVersion) {
+    return;
+  }
+  SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
+  if (pragma(database, "user_version") < kProblemVersion) {  // nobody was quicker
+    database.exec("ALTER TABLE study ADD COLUMN problem TEXT NOT NULL DEFAULT ''");
+  }
+  database.exec(fmt::format("PRAGMA user_version = {}", kSchemaVersion));
+  transaction.commit();
+}
+
 }  // namespace
+
+bool has_problem(SQLite::Database& database) { return pragma(database, "user_version") >= kProblemVersion; }
 
 Error error_of(const std::string& path, const SQLite::Exception& exception) {
   const char* detail = exception.what();
@@ -165,7 +182,7 @@ Result<SQLite::Database> open_database(const std::string& path, bool write) {
   if (pragma(database, "application_id") != kApplicationId) {
     return not_a_study(path, "an SQLite database of some other program");
   }
-  if (const int version = pragma(database, "user_version"); version != kSchemaVersion) {
+  if (const int version = pragma(database, "user_version"); version < kOldestVersion || version > kSchemaVersion) {
     return bad_input(fmt::format("{}: a study of schema version {}: this program knows version {}{}", path, version,
                                  kSchemaVersion, version > kSchemaVersion ? " and is too old for it" : ""));
   }
@@ -182,6 +199,7 @@ Result<SQLite::Database> open_database(const std::string& path, bool write) {
     // can be no such log (some network file systems), commits are slower and as safe.
     const std::string mode = database.execAndGet("PRAGMA journal_mode = WAL").getString();
     database.exec(mode == "wal" ? "PRAGMA synchronous = NORMAL" : "PRAGMA synchronous = FULL");
+    bring_up_to_date(database);
   }
   return database;
 }

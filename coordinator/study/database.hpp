@@ -30,9 +30,12 @@ auto guarded(const std::string& path, F&& f) -> decltype(f()) {
 // nothing: it is for a file that counts only once it is complete and synced. Throws SQLite::Exception.
 SQLite::Database create_database(const std::string& path);
 
-// Opens what create_database() made. Errors: as Study::open(), the content of the tables aside. May throw
-// SQLite::Exception.
+// Opens what create_database() made, or an older program's; the latter is brought up to date when it is opened to
+// write. Errors: as Study::open(), the content of the tables aside. May throw SQLite::Exception.
 Result<SQLite::Database> open_database(const std::string& path, bool write);
+
+// False: read from a file of a schema before problems were kept.
+bool has_problem(SQLite::Database& database);
 
 // Back to a single file, if no other process has it open. Never throws.
 void settle(SQLite::Database& database) noexcept;

@@ -10,6 +10,8 @@
 #include <unistd.h>
 #include <vector>
 
+#include "common/host_name.hpp"
+
 namespace coppice {
 namespace {
 
@@ -42,11 +44,6 @@ std::string link_target(const char* path) {
   std::array<char, PATH_MAX> target{};
   const ssize_t length = ::readlink(path, target.data(), target.size());
   return length < 0 ? std::string() : std::string(target.data(), static_cast<std::size_t>(length));
-}
-
-std::string host_name() {
-  std::array<char, HOST_NAME_MAX + 1> name{};
-  return ::gethostname(name.data(), name.size() - 1) == 0 ? std::string(name.data()) : std::string();
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "coordinator/problem/world_problem.hpp"
 #include "coordinator/study/database.hpp"
 #include "coordinator/study/study_state.hpp"
 
@@ -115,30 +116,33 @@ Result<void> check_target(const std::string& path) {
 
 }  // namespace
 
-Result<Study> Study::create(const std::string& path, const Chain& chain, const StudyWorld& world,
-                            const StudyLearning& learning) {
+namespace {
+
+Result<ChainHash> write_study(const std::string& path, const std::vector<std::uint8_t>& bytes, const StudyWorld& world,
+                              const StudyLearning& learning, const std::string& problem) {
   for (const auto& ok : {check_target(path), check_json_object("learning.settings", learning.settings),
                          check_json_object("learning.outcome", learning.outcome)}) {
     if (!ok) {
       return tl::unexpected(ok.error());
     }
   }
-  const std::vector<std::uint8_t> bytes = to_bytes(chain);
   if (bytes.size() > kMaxChainBytes) {
     return failed(
         fmt::format("{}: the chain takes {} bytes: a study holds at most {}", path, bytes.size(), kMaxChainBytes));
   }
+  const ChainHash hash = hash_of(bytes);
   Draft draft(path);
   auto written = guarded(path, [&]() -> Result<void> {
     SQLite::Database database = create_database(draft.path());
     SQLite::Statement insert(database,
-                             "INSERT INTO study VALUES(1, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'), ?, ?, ?, ?, ?, ?)");
-    insert.bind(1, hash_of(bytes).hex());
+                             "INSERT INTO study VALUES(1, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'), ?, ?, ?, ?, ?, ?, ?)");
+    insert.bind(1, hash.hex());
     insert.bindNoCopy(2, bytes.data(), static_cast<int>(bytes.size()));
     insert.bind(3, world.kind);
     insert.bind(4, world.room);
     insert.bind(5, learning.settings);
     insert.bind(6, learning.outcome);
+    insert.bind(7, problem);
     insert.exec();
     return {};
   });
@@ -148,7 +152,26 @@ Result<Study> Study::create(const std::string& path, const Chain& chain, const S
   if (auto ok = draft.publish(); !ok) {
     return tl::unexpected(ok.error());
   }
+  return hash;
+}
+
+}  // namespace
+
+Result<Study> Study::create(const std::string& path, const Chain& chain, const StudyWorld& world,
+                            const StudyLearning& learning, const std::optional<Problem>& problem) {
+  const std::string json = problem ? to_json(*problem, chain.vocabulary()) : "";
+  if (auto written = write_study(path, to_bytes(chain), world, learning, json); !written) {
+    return tl::unexpected(written.error());
+  }
   return open(path, Access::write);
+}
+
+Result<ChainHash> Study::write_new(const std::string& path, Chain chain, const StudyWorld& world,
+                                   const StudyLearning& learning, const std::optional<Problem>& problem) {
+  const std::string json = problem ? to_json(*problem, chain.vocabulary()) : "";
+  const std::vector<std::uint8_t> bytes = to_bytes(chain);
+  { const Chain gone = std::move(chain); }
+  return write_study(path, bytes, world, learning, json);
 }
 
 Result<void> Study::check_new(const std::string& path) {
@@ -166,7 +189,9 @@ Result<Study> Study::open(const std::string& path, Access access) {
       return tl::unexpected(database.error());
     }
     SQLite::Statement select(
-        *database, "SELECT chain, chain_hash, world_kind, world_room, learn_settings, learn_outcome FROM study");
+        *database, fmt::format("SELECT chain, chain_hash, world_kind, world_room, learn_settings, learn_outcome, {} "
+                               "FROM study",
+                               has_problem(*database) ? "problem" : "''"));
     if (!select.executeStep()) {
       return tl::unexpected(damaged(path, "it holds no chain"));
     }
@@ -184,9 +209,15 @@ Result<Study> Study::open(const std::string& path, Access access) {
     }
     StudyWorld world{select.getColumn(2).getString(), select.getColumn(3).getString()};
     StudyLearning learning{select.getColumn(4).getString(), select.getColumn(5).getString()};
+    const std::string text = select.getColumn(6).getString();
+    auto problem = text.empty() ? Result<Problem>(problem_of_world(world.kind, chain->vocabulary()))
+                                : problem_from_json(text, chain->vocabulary());
+    if (!problem) {
+      return tl::unexpected(damaged(path, problem.error().message));
+    }
     select.reset();
     return Study(std::unique_ptr<State>(new State{path, access, std::move(*database), std::move(*chain), hash,
-                                                  std::move(world), std::move(learning), file}));
+                                                  std::move(world), std::move(learning), std::move(*problem), file}));
   });
 }
 
@@ -216,5 +247,19 @@ const Chain& Study::chain() const { return state_->chain; }
 const ChainHash& Study::chain_hash() const { return state_->chain_hash; }
 const StudyWorld& Study::world() const { return state_->world; }
 const StudyLearning& Study::learning() const { return state_->learning; }
+const Problem& Study::problem() const { return state_->problem; }
+
+Result<void> Study::save_problem(const Problem& problem) {
+  return guarded(state_->path, [&]() -> Result<void> {
+    if (auto ok = state_->check_in_place(); !ok) {
+      return ok;
+    }
+    SQLite::Statement update(state_->database, "UPDATE study SET problem = ?");
+    update.bind(1, to_json(problem, state_->chain.vocabulary()));
+    update.exec();
+    state_->problem = problem;
+    return {};
+  });
+}
 
 }  // namespace coppice

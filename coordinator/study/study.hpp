@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "common/error.hpp"
 #include "common/tree/tree.hpp"
 #include "coordinator/evolution/evolve.hpp"
+#include "coordinator/problem/problem.hpp"
 
 namespace coppice {
 
@@ -74,14 +76,31 @@ struct ResumedRun {
   std::optional<Checkpoint> checkpoint;  // none: not one generation was saved, start from the first
 };
 
+// A tree that a person keeps, as the studio does.
+inline constexpr std::size_t kMaxKeptName = 200;     // bytes
+inline constexpr std::size_t kMaxKeptNote = 20'000;  // bytes
+struct KeptTree {
+  std::int64_t id = 0;
+  std::string name;
+  std::string note;
+  Tree tree;
+  std::string kept;  // UTC, when
+};
+
 class Study {
  public:
   enum class Access : std::uint8_t { read, write };
 
   // Makes a new file; under `path` it appears only when it is complete. Errors: path exists (bad_input), a folder
   // that does not exist or cannot be written, a full disk, learning that is not JSON.
+  // Without a problem it is that of the world (problem_of_world). REQUIRES: `problem` was made for the chain's
+  // vocabulary.
   static Result<Study> create(const std::string& path, const Chain& chain, const StudyWorld& world,
-                              const StudyLearning& learning);
+                              const StudyLearning& learning, const std::optional<Problem>& problem = std::nullopt);
+
+  // The same for those who need no more than the file: the chain goes once its bytes are there. Gives its hash.
+  static Result<ChainHash> write_new(const std::string& path, Chain chain, const StudyWorld& world,
+                                     const StudyLearning& learning, const std::optional<Problem>& problem);
 
   // Whether create() could make this file: finds out by making one beside it, which is gone again on return. For those
   // who work long before they create. Errors: as create().
@@ -100,8 +119,12 @@ class Study {
   const ChainHash& chain_hash() const;
   const StudyWorld& world() const;
   const StudyLearning& learning() const;
+  const Problem& problem() const;
 
-  // A new run, status running, owned by this process.
+  // Replaces the problem: labels, units or the simulator changed. REQUIRES: made for the chain's vocabulary.
+  Result<void> save_problem(const Problem& problem);
+
+  // A new run, status running, owned by this process. Error (bad_input): another process that is alive runs one.
   Result<RunId> begin_run(const NewRun& run);
 
   // Takes over a run that is not finished. Errors: no such run; it is finished; the process that runs it is alive; or
@@ -112,6 +135,8 @@ class Study {
   // REQUIRES: the run is this process's, record.generation == checkpoint.generation.
   // Error, also of finish_run(): the path leads to another file by now, or to none.
   Result<void> save_generation(RunId run, const GenerationRecord& record, const Checkpoint& checkpoint);
+  // The same for several, the last of which is the checkpoint's. REQUIRES: at least one, in their order.
+  Result<void> save_generations(RunId run, std::span<const GenerationRecord> records, const Checkpoint& checkpoint);
 
   // Back to a checkpoint of this run, or before the first generation: what came after is forgotten, in one
   // transaction. REQUIRES: as save_generation().
@@ -129,6 +154,14 @@ class Study {
   Result<std::optional<Checkpoint>> load_checkpoint(RunId run) const;
   // By position; without members: the run has none. Every member has the same measures.
   Result<Front> front(RunId run) const;
+
+  // Errors: an empty name, one or a note that is too long (bad_input); the file cannot be written. The new tree's id.
+  Result<std::int64_t> keep_tree(const std::string& name, const std::string& note, const Tree& tree);
+  Result<void> forget_tree(std::int64_t id);         // error (bad_input): no such tree
+  Result<std::vector<KeptTree>> kept_trees() const;  // by id
+
+  // A number that changes whenever another connection, of this process or another, has written to the file.
+  Result<std::int64_t> changes_by_others() const;
 
   // The run's result, or, while it has none, the best champion so far. Error (bad_input): not one generation was saved.
   Result<Tree> best_tree(RunId run) const;

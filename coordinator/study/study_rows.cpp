@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "common/tree/text.hpp"
+#include "coordinator/evolution/config_text.hpp"
 #include "coordinator/study/checkpoint_text.hpp"
 #include "coordinator/study/database.hpp"
 
@@ -100,15 +101,12 @@ Result<std::optional<Checkpoint>> StudyRows::checkpoint(RunId run) {
   if (!population) {
     return damage(fmt::format("{}: checkpoint: {}", label(run), population.error().message));
   }
-  auto archive = population_from_text(archive_text, vocabulary_);
+  auto archive = archives_from_text(archive_text, vocabulary_);
   if (!archive) {
     return damage(fmt::format("{}: archive of the checkpoint: {}", label(run), archive.error().message));
   }
-  Checkpoint checkpoint{select.getColumn(0).getUInt(),
-                        std::move(population->trees),
-                        std::move(population->fitness),
-                        {},
-                        std::move(archive->trees)};
+  Checkpoint checkpoint{select.getColumn(0).getUInt(), std::move(population->trees), std::move(population->fitness), {},
+                        std::move(archive->trees),     std::move(archive->kept)};
   const auto records = generations(run);
   if (!records) {
     return tl::unexpected(records.error());

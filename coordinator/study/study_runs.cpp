@@ -4,6 +4,7 @@
 
 #include "common/check.hpp"
 #include "common/tree/text.hpp"
+#include "coordinator/evolution/config_text.hpp"
 #include "coordinator/study/checkpoint_text.hpp"
 #include "coordinator/study/database.hpp"
 #include "coordinator/study/study_rows.hpp"
@@ -56,8 +57,7 @@ Result<void> check_free(const std::string& path, const OwnedRun& run, bool take_
 void replace_checkpoint(SQLite::Database& database, RunId run, const Checkpoint& checkpoint,
                         const Vocabulary& vocabulary) {
   const std::string population = population_text({checkpoint.population, checkpoint.fitness}, vocabulary);
-  const std::string archive =
-      population_text({checkpoint.archive, std::vector<double>(checkpoint.archive.size(), 0.0)}, vocabulary);
+  const std::string archive = archives_text({checkpoint.archive, checkpoint.kept}, vocabulary);
   SQLite::Statement replace(database, "INSERT OR REPLACE INTO checkpoints VALUES(?, ?, ?, ?, ?)");
   replace.bind(1, number(run));
   replace.bind(2, checkpoint.generation);
@@ -71,6 +71,21 @@ void replace_checkpoint(SQLite::Database& database, RunId run, const Checkpoint&
 
 Result<RunId> Study::begin_run(const NewRun& run) {
   return guarded(state_->path, [&]() -> Result<RunId> {
+    SQLite::Transaction transaction(state_->database, SQLite::TransactionBehavior::IMMEDIATE);
+    StudyRows rows(state_->path, chain().vocabulary(), state_->database);
+    const auto running = rows.runs("WHERE status = 'running'");
+    if (!running) {
+      return tl::unexpected(running.error());
+    }
+    const Owner here = this_process();
+    for (const OwnedRun& other : *running) {
+      if (other.owner != here && state_of(other.owner) == OwnerState::alive) {
+        return bad_input(
+            fmt::format("{}: {} is being run by process {}: wait for its end, or evolve in a copy (coppice "
+                        "backup)",
+                        state_->path, label(other.record.id), other.owner.pid));
+      }
+    }
     SQLite::Statement insert(state_->database,
                              "INSERT INTO runs(seed, config, evaluator, status, started, owner_host, owner_boot, "
                              "owner_space, owner_pid, owner_start) "
@@ -80,7 +95,9 @@ Result<RunId> Study::begin_run(const NewRun& run) {
     insert.bind(3, run.evaluator);
     bind_owner(insert, 4, this_process());
     insert.exec();
-    return RunId{state_->database.getLastInsertRowid()};
+    const RunId id{state_->database.getLastInsertRowid()};
+    transaction.commit();
+    return id;
   });
 }
 
@@ -112,24 +129,32 @@ Result<ResumedRun> Study::resume_run(RunId run, bool take_over) {
 }
 
 Result<void> Study::save_generation(RunId run, const GenerationRecord& record, const Checkpoint& checkpoint) {
-  COPPICE_CHECK(record.generation == checkpoint.generation);
+  return save_generations(run, {&record, 1}, checkpoint);
+}
+
+Result<void> Study::save_generations(RunId run, std::span<const GenerationRecord> records,
+                                     const Checkpoint& checkpoint) {
+  COPPICE_CHECK(!records.empty() && records.back().generation == checkpoint.generation);
   const Vocabulary& vocabulary = chain().vocabulary();
   return guarded(state_->path, [&]() -> Result<void> {
     SQLite::Transaction transaction(state_->database, SQLite::TransactionBehavior::IMMEDIATE);
     SQLite::Statement row(state_->database, "INSERT INTO generations VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-    row.bind(1, number(run));
-    row.bind(2, record.generation);
-    row.bind(3, to_text(record.best.tree, vocabulary));
-    row.bind(4, record.best.fitness);
-    row.bind(5, record.best.agreement);
-    row.bind(6, static_cast<std::int64_t>(record.best_nodes()));
-    row.bind(7, record.mean_fitness);
-    row.bind(8, record.mean_agreement);
-    row.bind(9, record.mean_nodes);
-    row.bind(10, record.distinct_trees);
-    row.bind(11, static_cast<std::int64_t>(record.evaluations));
-    row.bind(12, record.seconds);
-    row.exec();
+    for (const GenerationRecord& record : records) {
+      row.bind(1, number(run));
+      row.bind(2, record.generation);
+      row.bind(3, to_text(record.best.tree, vocabulary));
+      row.bind(4, record.best.fitness);
+      row.bind(5, record.best.agreement);
+      row.bind(6, static_cast<std::int64_t>(record.best_nodes()));
+      row.bind(7, record.mean_fitness);
+      row.bind(8, record.mean_agreement);
+      row.bind(9, record.mean_nodes);
+      row.bind(10, record.distinct_trees);
+      row.bind(11, static_cast<std::int64_t>(record.evaluations));
+      row.bind(12, record.seconds);
+      row.exec();
+      row.reset();
+    }
     replace_checkpoint(state_->database, run, checkpoint, vocabulary);
     transaction.commit();
     return state_->check_in_place();

@@ -23,6 +23,7 @@ struct Study::State {
   ChainHash chain_hash;
   StudyWorld world;
   StudyLearning learning;
+  Problem problem;
   FileId file;  // of the open file
 
   // Error: the path leads elsewhere by now, or nowhere: what is written would be lost with the open file.

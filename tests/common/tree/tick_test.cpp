@@ -114,5 +114,33 @@ TEST(Tick, of_random_trees_is_the_last_action_in_a_trace_of_all_writes) {
   }
 }
 
+TEST(Tick, of_readings_is_that_of_the_values_that_they_have_in_every_scale) {
+  Xoshiro256 random(32);
+  const Vocabulary vocabulary = {{{"plain", {0, 3, 7}, true, true},
+                                  {"number", {0, 1, 4}, true, true, Scale::numbers, {-1.5, 0.1, 20.0}},
+                                  {"bin", {0, 1, 2}, false, true, Scale::bins, {-0.25, 1.0}}},
+                                 {"a", "b", "c"}};
+  const std::vector<std::vector<double>> readings = {{0.0, 3.0, 7.0}, {-1.5, 0.1, 20.0}, {-7.0, -0.25, 0.0, 1.0, 9.0}};
+  for (int round = 0; round < 500; ++round) {
+    const Tree tree = grow_tree(vocabulary, {4, 4}, true, arbitrary::below_of(random));
+    std::vector<double> read;
+    std::vector<std::uint8_t> values;
+    for (std::size_t f = 0; f < readings.size(); ++f) {
+      read.push_back(readings[f][random.below(readings[f].size())]);
+      values.push_back(*vocabulary.features[f].value_of(read.back()));
+    }
+    ASSERT_EQ(tick_readings(tree, vocabulary, read), tick(tree, values)) << to_text(tree, vocabulary);
+  }
+}
+
+TEST(Tick, of_readings_that_the_vocabulary_does_not_declare_compares_the_numbers) {
+  const Vocabulary vocabulary = {{{"x", {0, 2}, true, true}}, {"a", "b", "c"}};
+  const Tree tree = arbitrary::tree("(selector (sequence x=0 a) (sequence x<=2 b) c)", vocabulary);
+  for (const auto& [reading, action] : {std::pair{0.0, 0}, std::pair{0.5, 1}, std::pair{-3.0, 1}, std::pair{1e9, 2}}) {
+    EXPECT_EQ(tick_readings(tree, vocabulary, std::vector<double>{reading}),
+              ActionId{static_cast<std::uint8_t>(action)});
+  }
+}
+
 }  // namespace
 }  // namespace coppice

@@ -11,24 +11,25 @@ namespace {
 Node sequence(std::size_t extent) { return Node::composite(NodeKind::sequence, extent); }
 Node act(std::uint8_t index) { return Node::action(ActionId{index}); }
 
-std::string refusal(std::vector<Node> nodes) {
+std::string refusal_of_nodes(std::vector<Node> nodes) {
   const Result<Tree> tree = Tree::from_nodes(std::move(nodes));
   return tree ? "accepted" : tree.error().message;
 }
 
 TEST(Tree, of_malformed_nodes_is_refused_with_the_node_and_what_was_expected) {
-  EXPECT_EQ(refusal({}), "tree has 0 nodes: expected 1 to 4096");
-  EXPECT_EQ(refusal({act(0), act(0)}), "tree's root spans 1 nodes of 2: expected one tree");
-  EXPECT_EQ(refusal({sequence(3), act(0)}), "tree's root spans 3 nodes of 2: expected one tree");
-  EXPECT_EQ(refusal({sequence(1)}), "node 0 is a composite without children: expected 1 or more");
-  EXPECT_EQ(refusal({sequence(3), sequence(3), act(0)}), "node 1 spans 3 nodes, which leaves its parent");
-  EXPECT_EQ(refusal({sequence(4), sequence(2), sequence(2), act(0)}), "node 2 spans 2 nodes, which leaves its parent");
+  EXPECT_EQ(refusal_of_nodes({}), "tree has 0 nodes: expected 1 to 4096");
+  EXPECT_EQ(refusal_of_nodes({act(0), act(0)}), "tree's root spans 1 nodes of 2: expected one tree");
+  EXPECT_EQ(refusal_of_nodes({sequence(3), act(0)}), "tree's root spans 3 nodes of 2: expected one tree");
+  EXPECT_EQ(refusal_of_nodes({sequence(1)}), "node 0 is a composite without children: expected 1 or more");
+  EXPECT_EQ(refusal_of_nodes({sequence(3), sequence(3), act(0)}), "node 1 spans 3 nodes, which leaves its parent");
+  EXPECT_EQ(refusal_of_nodes({sequence(4), sequence(2), sequence(2), act(0)}),
+            "node 2 spans 2 nodes, which leaves its parent");
   Node leaf_with_child = act(0);
   leaf_with_child.extent = 2;
-  EXPECT_EQ(refusal({sequence(3), leaf_with_child, act(0)}), "node 1 is a leaf but spans 2 nodes");
+  EXPECT_EQ(refusal_of_nodes({sequence(3), leaf_with_child, act(0)}), "node 1 is a leaf but spans 2 nodes");
   Node nothing = act(0);
   nothing.extent = 0;
-  EXPECT_EQ(refusal({sequence(3), nothing, act(0)}), "node 1 spans 0 nodes, which leaves its parent");
+  EXPECT_EQ(refusal_of_nodes({sequence(3), nothing, act(0)}), "node 1 spans 0 nodes, which leaves its parent");
 }
 
 std::vector<Node> chain_of_depth(std::size_t depth) {
@@ -45,14 +46,14 @@ TEST(Tree, may_be_as_deep_and_as_large_as_the_limits_and_not_more) {
   ASSERT_TRUE(deepest.has_value()) << deepest.error().message;
   EXPECT_EQ(deepest->depth(), kMaxTreeDepth);
   EXPECT_EQ(deepest->depth_of(kMaxTreeDepth), kMaxTreeDepth);
-  EXPECT_EQ(refusal(chain_of_depth(kMaxTreeDepth + 1)), "tree is deeper than 64 edges at node 65");
+  EXPECT_EQ(refusal_of_nodes(chain_of_depth(kMaxTreeDepth + 1)), "tree is deeper than 64 edges at node 65");
 
   std::vector<Node> largest(kMaxTreeNodes, act(0));
   largest.front() = sequence(kMaxTreeNodes);
-  EXPECT_EQ(refusal(largest), "accepted");
+  EXPECT_EQ(refusal_of_nodes(largest), "accepted");
   largest.push_back(act(0));
   largest.front() = sequence(kMaxTreeNodes + 1);
-  EXPECT_EQ(refusal(largest), "tree has 4097 nodes: expected 1 to 4096");
+  EXPECT_EQ(refusal_of_nodes(largest), "tree has 4097 nodes: expected 1 to 4096");
 }
 
 TEST(Tree, knows_the_depth_of_every_node) {

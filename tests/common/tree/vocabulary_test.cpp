@@ -41,7 +41,7 @@ TEST(Vocabulary, that_is_malformed_is_refused_with_the_place_and_what_was_expect
   EXPECT_NE(refusal(blank).find("feature name is malformed"), std::string::npos);
   Vocabulary many = arbitrary::uav();
   many.actions.assign(kMaxActions + 1, "a");
-  EXPECT_EQ(refusal(many), "65 actions: expected 1 to 64");
+  EXPECT_EQ(refusal(many), "255 actions: expected 1 to 254");
 }
 
 }  // namespace

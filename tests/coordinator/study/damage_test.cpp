@@ -48,8 +48,8 @@ TEST_F(DamageTest, AFileThatIsNoStudyIsNamed) {
 
 TEST_F(DamageTest, ANewerStudyIsNotGuessedAt) {
   { make(); }
-  sql("PRAGMA user_version = 4");
-  refused("a study of schema version 4: this program knows version 3 and is too old for it");
+  sql("PRAGMA user_version = 5");
+  refused("a study of schema version 5: this program knows version 4 and is too old for it");
 }
 
 TEST_F(DamageTest, AChainThatIsNotTheOneThatWasStoredIsRefused) {

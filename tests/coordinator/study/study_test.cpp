@@ -120,6 +120,34 @@ TEST_F(StudyTest, ACheckpointComesBackBitForBit) {
   EXPECT_EQ(again.best_tree(id).value(), tree_of("right"));
 }
 
+TEST_F(StudyTest, TheGenerationsOfAnEpochAreSavedAtOnceWithTheDemesAsTheyStood) {
+  Study study = make();
+  const RunId id = study.begin_run({config(), "serial"}).value();
+  Checkpoint checkpoint;
+  checkpoint.generation = 1;
+  checkpoint.population = {tree_of("move"), tree_of("left"), tree_of("right"), tree_of("(sequence b=3 right)")};
+  checkpoint.fitness = {0.1, 0.2, 0.3, 1.0 / 3.0};
+  std::vector<GenerationRecord> records(2);
+  for (std::uint32_t generation = 0; generation < 2; ++generation) {
+    records[generation].generation = generation;
+    records[generation].best = {tree_of("right"), generation, 0.5, 0.1};
+    enter(records[generation].best, checkpoint.hall_of_fame);
+  }
+  // Archives that are empty, of one tree and of two, at either end and between.
+  for (const std::vector<std::size_t>& kept :
+       {std::vector<std::size_t>{0, 0, 0}, std::vector<std::size_t>{1, 0, 2}, std::vector<std::size_t>{0, 2, 0}}) {
+    checkpoint.kept = kept;
+    checkpoint.archive.clear();
+    for (const std::size_t of_deme : kept) {
+      checkpoint.archive.insert(checkpoint.archive.end(), of_deme, tree_of("(sequence a=0 left)"));
+    }
+    ASSERT_TRUE(study.rewind_run(id, std::nullopt).has_value());
+    ASSERT_TRUE(study.save_generations(id, records, checkpoint).has_value());
+    EXPECT_EQ(study.load_checkpoint(id).value(), checkpoint);
+    EXPECT_EQ(study.generations(id).value().size(), 2U);
+  }
+}
+
 TEST_F(StudyTest, AFrontComesBackBitForBit) {
   Study study = make();
   const RunId id = study.begin_run({config(), "serial"}).value();
