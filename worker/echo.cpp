@@ -13,7 +13,7 @@
 namespace coppice {
 namespace {
 
-constexpr std::chrono::seconds kIdleWait{1};
+constexpr std::chrono::seconds kIdleEchoWait{1};
 
 void answer(const wire::Task& task, std::uint64_t identity, std::vector<std::uint8_t>& payload,
             wire::Writer<wire::Answer>& answers) {
@@ -73,7 +73,7 @@ Result<void> echo(const ServeOptions& options, const StopFlag& stop) {
       }
     });
     if (taken == 0) {
-      waiter->wait(kIdleWait);
+      waiter->wait(kIdleEchoWait);
     }
   }
   return {};

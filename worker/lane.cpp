@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
+#include <new>
 #include <spdlog/spdlog.h>
+#include <string_view>
 #include <sys/prctl.h>
 
 namespace coppice {
@@ -99,21 +101,70 @@ void Lane::take_one(const wire::Task& task) {
   if (task.protocol != state_.protocol || (run_id != 0 && task.run_id != run_id)) {
     return;  // of a coordinator that another has followed: nobody waits for it
   }
-  answer(state_, task, evaluate(task), answers_);
+  answer(state_, task, try_to_work(task), answers_);
 }
 
-Lane::Outcome Lane::evaluate(const wire::Task& task) {
+// Memory may be short for this batch and not for the next: the batch ends, the worker goes on.
+Lane::Outcome Lane::try_to_work(const wire::Task& task) {
+  try {
+    return work(task);
+  } catch (const std::bad_alloc&) {
+    // Whatever these hold may be half made.
+    epochs_.reset();
+    evaluation_.reset();
+    job_.reset();
+    decoder_.reset();
+    decoder_chain_.reset();
+  }
+  constexpr std::string_view kReason = "not enough memory to evaluate the batch";
+  spdlog::warn("{}; gave it back", kReason);
+  return {.kind = coppice_wire_NO_MEMORY, .payload = {kReason.begin(), kReason.end()}};
+}
+
+Lane::Outcome Lane::work(const wire::Task& task) {
   const auto chain = state_.chains.find(wire::from_wire(task.chain));
   if (chain == nullptr) {
     return {.kind = coppice_wire_CHAIN_UNKNOWN};
   }
+  return task.work == coppice_wire_EVOLVE ? evolve(chain, task) : evaluate(chain, task);
+}
+
+Lane::Outcome Lane::refusal(const Error& error) {
+  spdlog::warn("refused a task: {}", wire::shown(error.message.c_str()));
+  return {.kind = coppice_wire_REFUSED, .payload = as_bytes(error.message)};
+}
+
+Lane::Outcome Lane::evolve(const std::shared_ptr<const PreparedChain>& chain, const wire::Task& task) {
+  if (!epochs_ || epochs_->chain() != chain) {
+    epochs_.emplace(chain);
+  }
+  const auto begin = state_.pace.count() > 0 ? free_ : Clock::now();
+  std::size_t evaluated = 0;
+  auto payload = epochs_->run(
+      wire::view(task.payload),
+      [&](std::size_t more) {
+        evaluated += more;
+        state_.evaluated.fetch_add(more, std::memory_order_relaxed);
+        return !state_.leaving && pass_time(begin, evaluated);
+      },
+      state_.before_epoch_answer);
+  if (!payload) {
+    return payload.error().kind == ErrorKind::interrupted ? Outcome{.kind = coppice_wire_GIVEN_BACK}
+                                                          : refusal(payload.error());
+  }
+  if (payload->size() > wire::kMaxTaskPayload) {
+    return refusal({ErrorKind::bad_input, "the answer would be larger than the contract allows"});
+  }
+  return {.kind = coppice_wire_EVALUATED, .payload = std::move(*payload), .elapsed = Clock::now() - begin};
+}
+
+Lane::Outcome Lane::evaluate(const std::shared_ptr<const PreparedChain>& chain, const wire::Task& task) {
   auto decoded = decode(chain, task);
   if (!decoded) {
-    spdlog::warn("refused a task: {}", wire::shown(decoded.error().message.c_str()));
-    return {.kind = coppice_wire_REFUSED, .payload = as_bytes(decoded.error().message)};
+    return refusal(decoded.error());
   }
   if (auto ok = prepare(chain, decoded->job); !ok) {
-    return {.kind = coppice_wire_REFUSED, .payload = as_bytes(ok.error().message)};
+    return refusal(ok.error());
   }
   const auto begin = state_.pace.count() > 0 ? free_ : Clock::now();
   const std::uint64_t repeated = evaluation_->repeated();
@@ -134,6 +185,9 @@ Lane::Outcome Lane::evaluate(const wire::Task& task) {
     state_.evaluated.fetch_add(count, std::memory_order_relaxed);
   }
   decoder_->recycle(std::move(*decoded));
+  if (state_.before_answer) {
+    state_.before_answer(tallies);
+  }
   auto payload = wire::encode_tallies(tallies);
   if (payload.size() > wire::kMaxTaskPayload) {
     return {.kind = coppice_wire_REFUSED, .payload = as_bytes("the answer would be larger than the contract allows")};

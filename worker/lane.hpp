@@ -1,13 +1,16 @@
-// One evaluating thread of a worker: takes a task from the worker's partition, evaluates its trees one by one, answers.
+// One evaluating thread of a worker: takes a task from the worker's partition, evaluates its trees or runs its epoch,
+// answers.
 #pragma once
 
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <thread>
 
 #include "common/error.hpp"
@@ -17,6 +20,7 @@
 #include "common/wire/topics.hpp"
 #include "common/wire/waiter.hpp"
 #include "worker/chain_store.hpp"
+#include "worker/epochs.hpp"
 
 namespace coppice {
 
@@ -31,6 +35,8 @@ struct WorkerState {
   // workers can be tried on few cores. 0: as long as it takes.
   std::chrono::nanoseconds pace{0};
   ChainStore chains;
+  std::function<void(std::span<Tally>)> before_answer;  // tests only: see ServeOptions
+  std::function<void(EpochResult&)> before_epoch_answer;
 
   void leave();  // from now on
   void come_back() { leaving = false; }
@@ -71,7 +77,11 @@ class Lane {
 
   void run();
   void take_one(const wire::Task& task);
-  Outcome evaluate(const wire::Task& task);
+  Outcome try_to_work(const wire::Task& task);
+  Outcome work(const wire::Task& task);
+  Outcome evaluate(const std::shared_ptr<const PreparedChain>& chain, const wire::Task& task);
+  Outcome evolve(const std::shared_ptr<const PreparedChain>& chain, const wire::Task& task);
+  static Outcome refusal(const Error& error);
   bool pass_time(Clock::time_point begin, std::size_t individuals);
   Result<wire::DecodedTask> decode(const std::shared_ptr<const PreparedChain>& chain, const wire::Task& task);
   Result<void> prepare(const std::shared_ptr<const PreparedChain>& chain, const Job& job);
@@ -84,7 +94,8 @@ class Lane {
   std::optional<wire::TaskDecoder> decoder_;  // for that chain's tasks
   std::shared_ptr<const PreparedJob> job_;    // of the last task: the next one usually has the same
   std::optional<Evaluation> evaluation_;
-  Clock::time_point free_;  // since when it could have begun the next task
+  std::optional<Epochs> epochs_;  // if any were asked for
+  Clock::time_point free_;        // since when it could have begun the next task
   std::thread thread_;
 };
 

@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <exception>
+#include <memory>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <string>
@@ -9,10 +10,12 @@
 #include <unistd.h>
 
 #include "common/duration.hpp"
+#include "common/json_log.hpp"
 #include "common/stop.hpp"
 #include "common/version.hpp"
 #include "common/wire/credentials.hpp"
 #include "common/wire/topics.hpp"
+#include "worker/apart.hpp"
 #include "worker/echo.hpp"
 #include "worker/serve.hpp"
 
@@ -29,15 +32,17 @@ bool follow_parent(pid_t parent) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"Evaluates behaviour trees for a Coppice coordinator until it gets SIGTERM."};
+  CLI::App app{"Evaluates behaviour trees for a Coppice coordinator until it gets SIGTERM.", "coppice-worker"};
   coppice::ServeOptions options;
   options.version = coppice::kVersion;
   options.protocol = coppice::wire::kProtocolVersion;
   pid_t parent = 0;
   std::string log_level = "info";
+  std::string log_format = "text";
   std::string pace;
   std::string security;
   bool echoes = false;
+  bool apart = false;
   app.set_version_flag(
       "--version", fmt::format("coppice-worker {} (protocol {})", coppice::kVersion, coppice::wire::kProtocolVersion));
   app.add_option("--coordinator", options.coordinator, "Host of the coordinator")->capture_default_str();
@@ -64,8 +69,13 @@ int run(int argc, char** argv) {
                  "Folder to keep chains in, so that a worker that is started again need not be sent them again")
       ->type_name("DIR");
   app.add_flag("--echo", echoes, "Answer every task at once, for the bare transport in 'coppice bench'")->group("");
+  app.add_flag("--apart", apart, "Evaluate one task from standard input, for the coordinator that started it")
+      ->group("");
   app.add_option("--log-level", log_level, "What to log to stderr")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
+      ->capture_default_str();
+  app.add_option("--log-format", log_format, "Lines of text, or a JSON object a line")
+      ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
   app.add_option("--parent", parent, "Exit when this process, which must be the parent, dies");
   app.footer(
@@ -77,8 +87,13 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kWrongUse;
   }
-  spdlog::set_default_logger(spdlog::stderr_color_mt("coppice-worker"));
-  spdlog::set_pattern("%n: %v");
+  if (log_format == "json") {
+    spdlog::set_default_logger(
+        std::make_shared<spdlog::logger>("coppice-worker", coppice::json_log_sink(stderr, "coppice-worker")));
+  } else {
+    spdlog::set_default_logger(spdlog::stderr_color_mt("coppice-worker"));
+    spdlog::set_pattern("%n: %v");
+  }
   spdlog::set_level(spdlog::level::from_str(log_level));
   if (!pace.empty()) {
     const auto duration = coppice::duration_of(pace);
@@ -93,10 +108,20 @@ int run(int argc, char** argv) {
       spdlog::error("{}", checked.error().message);
       return kWrongUse;
     }
+    if (const std::string warning = coppice::wire::expiry_warning(security); !warning.empty()) {
+      spdlog::warn("{}", warning);
+    }
     options.network.security = security;
   }
   if (parent != 0 && !follow_parent(parent)) {
     return 0;
+  }
+  if (apart) {
+    const auto done = coppice::evaluate_apart();
+    if (!done) {
+      spdlog::error("{}", done.error().message);
+    }
+    return done ? 0 : 1;
   }
   coppice::block_stop_signals();
   coppice::StopFlag stop;

@@ -156,7 +156,8 @@ Result<void> Server::start_lanes() {
   for (std::uint32_t i = 0; i < options_.threads; ++i) {
     auto lane = Lane::start(state_, participant_, tasks_, answers_);
     if (!lane) {
-      state_.leave();
+      stop_lanes();
+      state_.come_back();  // for the next try
       return tl::unexpected(lane.error());
     }
     lanes_.push_back(std::move(*lane));
@@ -203,6 +204,13 @@ Result<void> Server::take_controls() {
           "install the same version of Coppice on both",
           wire::shown(control.host), control.pid, wire::shown(control.version), control.protocol, options_.version,
           options_.protocol);
+    } else if (control.golden != options_.golden) {
+      refusal = fmt::format(
+          "the coordinator {} (pid {}, version {}) computes otherwise than this worker (version {}): the golden job "
+          "gives "
+          "{:016x} there and {:016x} here; install the same build of Coppice on both",
+          wire::shown(control.host), control.pid, wire::shown(control.version), options_.version, control.golden,
+          options_.golden);
     } else {
       meet(control);
     }
@@ -323,6 +331,7 @@ void Server::say_hello() {
   hello.evaluated = state_.evaluated;
   hello.leaving = state_.leaving;
   hello.cores = std::thread::hardware_concurrency();
+  hello.golden = options_.golden;
   std::vector<coppice_wire_ChainId> chains;
   for (const ChainHash& hash : state_.chains.held()) {
     chains.push_back(wire::to_wire(hash));
@@ -361,9 +370,10 @@ void Server::leave() {
 
 Result<void> serve(const ServeOptions& options, const StopFlag& stop) {
   WorkerState state;
-  state.worker = wire::random_identity();
   state.protocol = options.protocol;
   state.pace = options.pace;
+  state.before_answer = options.before_answer;
+  state.before_epoch_answer = options.before_epoch_answer;
   spdlog::info("worker {:016x} looks for a coordinator at {} in domain {} (UDP port {})", state.worker,
                options.coordinator, options.domain, wire::coordinator_port(options.domain));
   std::optional<ChainCache> cache;
@@ -377,6 +387,8 @@ Result<void> serve(const ServeOptions& options, const StopFlag& stop) {
   Rest rest(stop);
   std::optional<Clock::time_point> complained;
   while (!stop.raised()) {
+    // A name belongs to the DDS participant that was first heard under it: another participant, another name.
+    state.worker = wire::random_identity();
     auto server = Server::open(options, state, cache ? &*cache : nullptr);
     if (server) {
       complained.reset();

@@ -4,9 +4,14 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <string>
 
 #include "common/error.hpp"
+#include "common/evolution/epoch.hpp"
+#include "common/fitness/golden_job.hpp"
+#include "common/fitness/job.hpp"
 #include "common/stop.hpp"
 #include "common/wire/configuration.hpp"
 
@@ -21,11 +26,16 @@ struct ServeOptions {
   std::string cache;                 // folder for chains that outlive this process; empty: none
   std::uint32_t protocol = 0;        // what this program speaks; coordinators that speak another are refused
   std::string version;
+  std::uint64_t golden = golden_checksum();  // coordinators that compute otherwise are refused
+  // Tests only: called with the tallies of every batch before they are sent.
+  std::function<void(std::span<Tally>)> before_answer;
+  std::function<void(EpochResult&)> before_epoch_answer;  // likewise, of every epoch
 };
 
 // Serves one coordinator after another until `stop` is raised, then gives back what it holds and returns. While there
 // is none, or none can be reached, it waits, and keeps the chains that it holds. Errors: a coordinator of another
-// protocol version; a chain that comes damaged again and again; a cache that cannot be written (bad_input).
+// protocol version, or of a build that computes otherwise; a chain that comes damaged again and again; a cache that
+// cannot be written (bad_input).
 Result<void> serve(const ServeOptions& options, const StopFlag& stop);
 
 }  // namespace coppice

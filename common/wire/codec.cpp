@@ -1,90 +1,15 @@
 #include "common/wire/codec.hpp"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cstddef>
-#include <cstring>
 #include <fmt/format.h>
-#include <type_traits>
 #include <utility>
 
 #include "common/check.hpp"
+#include "common/wire/node_layout.hpp"
 
 namespace coppice::wire {
 namespace {
-
-constexpr unsigned kOpShift = 2;
-
-// Nodes are most of a task, and what kind comes next is a guess that a processor loses at every third: they are read
-// and written without a branch on it, in words of four bytes of which two or three count.
-constexpr std::size_t kWord = sizeof(std::uint32_t);
-
-// How a node lies in the word that begins with a tag, and how in memory: kind, operator, index and value, then extent.
-struct Layout {
-  std::uint8_t bytes = 0;      // of the word; 0: no node begins with this tag
-  std::uint32_t head = 0;      // kind and operator
-  std::uint32_t operands = 0;  // mask: index and value
-  std::uint16_t span = 0;      // mask: extent
-  std::uint16_t extent = 0;    // where the word has none
-};
-constexpr std::size_t kTags = 8;
-constexpr std::array<Layout, kTags> kLayouts = [] {
-  std::array<Layout, kTags> layouts{};
-  for (const unsigned kind : {0U, 1U}) {
-    layouts[kind] = {3, kind, 0, 0xFFFF, 0};
-  }
-  for (const unsigned op : {0U, 1U}) {
-    layouts[2U | op << kOpShift] = {3, 2U | op << 8U, 0xFFFF, 0, 1};
-  }
-  layouts[3] = {2, 3, 0xFF, 0, 1};
-  return layouts;
-}();
-static_assert(sizeof(Node) == 6 && std::is_trivially_copyable_v<Node> && offsetof(Node, index) == 2 &&
-              offsetof(Node, value) == 3 && offsetof(Node, extent) == 4);
-
-Node node_of(std::uint32_t word, const Layout& layout) {
-  const std::uint32_t rest = word >> 8U;
-  const std::uint64_t head = layout.head | (rest & layout.operands) << 16U;
-  const std::uint64_t whole = head | std::uint64_t{(rest & layout.span) | layout.extent} << 32U;
-  std::array<std::uint8_t, sizeof(Node)> bytes;
-  std::memcpy(bytes.data(), &whole, sizeof(Node));
-  return std::bit_cast<Node>(bytes);
-}
-
-std::uint32_t word_of(const Node& node) {
-  const auto tag = static_cast<unsigned>(node.kind) | static_cast<unsigned>(node.op) << kOpShift;
-  const unsigned leaf = node.index | static_cast<unsigned>(node.value) << 8U;
-  return tag | (node.is_composite() ? node.extent : leaf) << 8U;
-}
-
-bool is_node_tag(std::uint8_t tag) { return tag < kTags && kLayouts[tag].bytes != 0; }
-
-void put_node(const Node& node, ByteWriter& writer) {
-  const std::uint32_t word = word_of(node);
-  for (std::size_t i = 0; i < kLayouts[word & 0xFFU].bytes; ++i) {
-    writer.put(static_cast<std::uint8_t>(word >> 8U * i));
-  }
-}
-
-// False: the tag is unknown; `node` then holds it as its value.
-bool get_node(ByteReader& reader, Node& node) {
-  const auto tag = reader.get<std::uint8_t>();
-  if (!is_node_tag(tag)) {
-    node.value = tag;
-    return false;
-  }
-  std::uint32_t word = tag;
-  for (std::size_t i = 1; i < kLayouts[tag].bytes; ++i) {
-    word |= std::uint32_t{reader.get<std::uint8_t>()} << 8U * i;
-  }
-  node = node_of(word, kLayouts[tag]);
-  return true;
-}
-
-tl::unexpected<Error> unknown_node(std::uint8_t tag) {
-  return bad_input(fmt::format("node tag {} is unknown: expected 0 to 3, or 6", tag));
-}
 
 void put_job(const Job& job, ByteWriter& writer) {
   writer.put(job.seed);
@@ -187,30 +112,6 @@ Result<Job> get_job(ByteReader& reader) {
   return job;
 }
 
-// Writes up to a word's rest past the end.
-std::uint8_t* write_tree(const Tree& tree, std::uint8_t* at) {
-  const auto count = static_cast<std::uint16_t>(tree.size());
-  std::memcpy(at, &count, sizeof(count));
-  at += sizeof(count);
-  for (const Node& node : tree.nodes()) {
-    const std::uint32_t word = word_of(node);
-    std::memcpy(at, &word, sizeof(word));
-    at += kLayouts[word & 0xFFU].bytes;
-  }
-  return at;
-}
-
-// What follows the last byte reads as 0. REQUIRES: at < bytes.size().
-std::uint32_t word_at(std::span<const std::uint8_t> bytes, std::size_t at) {
-  std::uint32_t word = 0;
-  if (const std::size_t left = bytes.size() - at; left >= kWord) {
-    std::memcpy(&word, bytes.data() + at, kWord);
-  } else {
-    std::memcpy(&word, bytes.data() + at, left);
-  }
-  return word;
-}
-
 template <typename TreeAt>
 std::vector<std::uint8_t> encode(const Job& job, std::size_t trees, const TreeAt& tree_at) {
   COPPICE_CHECK(trees <= kMaxTreesPerTask);
@@ -284,41 +185,14 @@ void TaskDecoder::recycle(DecodedTask&& task) {
 
 // Reads one tree from the front of `bytes`, and takes it off.
 Result<Tree> TaskDecoder::read_tree(std::span<const std::uint8_t>& bytes) {
-  ByteReader reader(bytes.first(std::min(bytes.size(), sizeof(std::uint16_t))));
-  const auto count = reader.get<std::uint16_t>();
-  if (!reader.ok()) {
-    return bad_input("tree is cut short");
-  }
-  if (count > kMaxTreeNodes) {
-    return bad_input(fmt::format("tree has {} nodes: expected at most {}", count, kMaxTreeNodes));
-  }
   std::vector<Node> nodes;
   if (!nodes_.empty()) {
     nodes = std::move(nodes_.back());
     nodes_.pop_back();
   }
-  std::size_t at = sizeof(count);
-  // A node takes two bytes at least.
-  nodes.resize(std::min<std::size_t>(count, bytes.size() / 2));
-  if (nodes.size() < count) {
-    return bad_input("tree is cut short");
+  if (auto ok = read_nodes(bytes, nodes); !ok) {
+    return tl::unexpected(ok.error());
   }
-  for (Node& node : nodes) {
-    if (at == bytes.size()) {
-      return bad_input("tree is cut short");
-    }
-    const std::uint32_t word = word_at(bytes, at);
-    const auto tag = static_cast<std::uint8_t>(word);
-    if (!is_node_tag(tag)) {
-      return unknown_node(tag);
-    }
-    node = node_of(word, kLayouts[tag]);
-    at += kLayouts[tag].bytes;
-    if (at > bytes.size()) {
-      return bad_input("tree is cut short");
-    }
-  }
-  bytes = bytes.subspan(at);
   auto tree = Tree::from_nodes(std::move(nodes));
   if (!tree) {
     return tree;

@@ -79,13 +79,17 @@ std::string security_element(const Network& network) {
   const auto file = [&](const char* name) {
     return "file:" + escaped(std::filesystem::absolute(network.security / name).string());
   };
+  std::error_code error;
+  const std::string revoked = std::filesystem::exists(network.security / kRevoked, error)
+                                  ? fmt::format("<CRL>{}</CRL>", file(kRevoked))
+                                  : std::string();
   return fmt::format(
       "<Security><Authentication><IdentityCA>{}</IdentityCA><IdentityCertificate>{}</IdentityCertificate>"
-      "<PrivateKey>{}</PrivateKey></Authentication>"
+      "<PrivateKey>{}</PrivateKey>{}</Authentication>"
       "<AccessControl><PermissionsCA>{}</PermissionsCA><Governance>{}</Governance><Permissions>{}</Permissions>"
       "</AccessControl><Cryptographic/></Security>",
-      file(kIdentityAuthority), file(kCertificate), file(kPrivateKey), file(kPermissionsAuthority), file(kGovernance),
-      file(kPermissions));
+      file(kIdentityAuthority), file(kCertificate), file(kPrivateKey), revoked, file(kPermissionsAuthority),
+      file(kGovernance), file(kPermissions));
 }
 
 Result<in_addr> resolve(const std::string& host) {

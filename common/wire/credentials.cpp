@@ -13,6 +13,7 @@ namespace {
 
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 using Certificate = std::unique_ptr<X509, decltype(&X509_free)>;
+using RevocationList = std::unique_ptr<X509_CRL, decltype(&X509_CRL_free)>;
 using Key = std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)>;
 
 Result<File> open_file(const std::filesystem::path& path) {
@@ -34,6 +35,50 @@ Result<Certificate> read_certificate(const std::filesystem::path& path) {
     return bad_input(fmt::format("--security: {} holds no certificate: expected one in PEM", path.string()));
   }
   return certificate;
+}
+
+// A key that anybody on the host may read is nobody's. Its group may: that is how systemd hands it to a dynamic user.
+Result<void> check_private(const std::filesystem::path& path) {
+  std::error_code error;  // a file that cannot be looked at cannot be opened either, which says why
+  const auto mode = std::filesystem::status(path, error).permissions();
+  if (!error && (mode & std::filesystem::perms::others_read) != std::filesystem::perms::none) {
+    return bad_input(fmt::format("--security: {} can be read by everybody on this machine (mode {:03o}): chmod 600 it",
+                                 path.string(), static_cast<unsigned>(mode) & 0777U));
+  }
+  return {};
+}
+
+// Nothing where nobody was revoked.
+Result<void> check_not_revoked(const std::filesystem::path& folder, X509* authority, X509* certificate) {
+  const std::filesystem::path path = folder / kRevoked;
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    return {};
+  }
+  auto file = open_file(path);
+  if (!file) {
+    return tl::unexpected(file.error());
+  }
+  const RevocationList list(PEM_read_X509_CRL(file->get(), nullptr, nullptr, nullptr), &X509_CRL_free);
+  if (list == nullptr || X509_CRL_verify(list.get(), X509_get0_pubkey(authority)) != 1) {
+    return bad_input(fmt::format("--security: {} is no list of revoked certificates that {} beside it signed",
+                                 path.string(), kIdentityAuthority));
+  }
+  X509_REVOKED* entry = nullptr;
+  if (X509_CRL_get0_by_cert(list.get(), &entry, certificate) == 1) {
+    return bad_input(
+        fmt::format("--security: {} was revoked: make another with "
+                    "deploy/security/make-certificates.sh",
+                    (folder / kCertificate).string()));
+  }
+  return {};
+}
+
+// Whole days from now; negative: over.
+int days_left(const X509* certificate) {
+  int days = 0;
+  int seconds = 0;
+  return ASN1_TIME_diff(&days, &seconds, nullptr, X509_get0_notAfter(certificate)) == 1 ? days : 0;
 }
 
 Result<Key> read_key(const std::filesystem::path& path) {
@@ -67,6 +112,9 @@ Result<void> check_credentials(const std::filesystem::path& folder) {
   if (!certificate) {
     return tl::unexpected(certificate.error());
   }
+  if (const auto secret = check_private(folder / kPrivateKey); !secret) {
+    return secret;
+  }
   const auto key = read_key(folder / kPrivateKey);
   if (!key) {
     return tl::unexpected(key.error());
@@ -88,6 +136,18 @@ Result<void> check_credentials(const std::filesystem::path& folder) {
         fmt::format("--security: {} is not valid any more: make another with "
                     "deploy/security/make-certificates.sh",
                     (folder / kCertificate).string()));
+  }
+  return check_not_revoked(folder, authority->get(), certificate->get());
+}
+
+std::string expiry_warning(const std::filesystem::path& folder) {
+  for (const char* name : {kCertificate, kIdentityAuthority, kPermissionsAuthority}) {
+    const auto certificate = read_certificate(folder / name);
+    if (certificate && days_left(certificate->get()) <= kWarnDays) {
+      return fmt::format(
+          "{} ends in {} days: renew it with deploy/security/make-certificates.sh, or nobody will be let in",
+          (folder / name).string(), days_left(certificate->get()));
+    }
   }
   return {};
 }

@@ -1,9 +1,11 @@
-// The identity of a program under DDS Security: a folder of six files, made by deploy/security/make-certificates.sh.
+// The identity of a program under DDS Security: a folder of six files, made by deploy/security/make-certificates.sh,
+// and a seventh once an identity was revoked.
 // The plugins of DDS read it themselves; what they would pass over in silence (a key that is another certificate's
 // never meets anybody, and says nothing) is looked for here first.
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "common/error.hpp"
 
@@ -16,8 +18,17 @@ inline constexpr const char* kPermissions = "permissions.smime";            // w
 inline constexpr const char* kCertificate = "certificate.pem";
 inline constexpr const char* kPrivateKey = "key.pem";
 
-// Errors name the file: one that cannot be read, a certificate that the authority did not sign or whose time is over
-// or has not come, a key that does not belong to it.
+inline constexpr const char* kRevoked = "crl.pem";  // may be missing: whose certificates are believed no more
+
+inline constexpr int kWarnDays = 30;  // before an end
+
+// Errors name the file: one that cannot be read, a certificate that the authority did not sign or revoked, or whose
+// time is over or has not come, a key that does not belong to it or that everybody may read, a list of the revoked that
+// the authority did not sign.
 Result<void> check_credentials(const std::filesystem::path& folder);
+
+// A line to be logged where the certificate or the authority's own ends within kWarnDays; else empty.
+// REQUIRES: check_credentials(folder).
+std::string expiry_warning(const std::filesystem::path& folder);
 
 }  // namespace coppice::wire

@@ -9,11 +9,14 @@
 #include <unistd.h>
 
 #include "common/check.hpp"
+#include "common/host_name.hpp"
 
 namespace coppice::wire {
 namespace {
 
-constexpr std::int64_t kNeverBlockMs = 100;    // coordinator: keep-last writers do not block at all
+constexpr std::int64_t kNeverBlockMs = 100;  // coordinator: keep-last writers do not block at all
+// Anybody may say Hello in a worker's name; what he says must not displace the worker's own before it is read.
+constexpr std::int32_t kHellosHeard = 16;
 constexpr std::int64_t kWorkerBlockMs = 5000;  // worker: an answer waits for room rather than being lost
 
 struct TopicQos {
@@ -22,18 +25,20 @@ struct TopicQos {
   bool transient_local;
   std::int32_t keep_last;  // 0: keep all
   bool liveliness;
+  std::int32_t heard;  // of each key, kept by a reader until they are taken; 0: as the writer
 };
 
 const TopicQos& qos_of(const dds_topic_descriptor_t& type) {
   static const std::string versioned = fmt::format("coppice_v{}_", kProtocolVersion);
   static const std::array<TopicQos, 7> table = {{
-      {&coppice_wire_Hello_desc, "coppice_Hello", true, 1, true},
-      {&coppice_wire_Control_desc, "coppice_Control", true, 1, true},
-      {&coppice_wire_Fleet_desc, "coppice_Fleet", false, 1, false},
-      {&coppice_wire_Task_desc, versioned + "Task", false, static_cast<std::int32_t>(kTaskDepth), false},
-      {&coppice_wire_Answer_desc, versioned + "Answer", false, 0, false},
-      {&coppice_wire_ChainRequest_desc, versioned + "ChainRequest", false, 0, false},
-      {&coppice_wire_ChainBlock_desc, versioned + "ChainBlock", false, static_cast<std::int32_t>(kBlockDepth), false},
+      {&coppice_wire_Hello_desc, "coppice_Hello", true, 1, true, kHellosHeard},
+      {&coppice_wire_Control_desc, "coppice_Control", true, 1, true, 0},
+      {&coppice_wire_Fleet_desc, "coppice_Fleet", false, 1, false, 0},
+      {&coppice_wire_Task_desc, versioned + "Task", false, static_cast<std::int32_t>(kTaskDepth), false, 0},
+      {&coppice_wire_Answer_desc, versioned + "Answer", false, 0, false, 0},
+      {&coppice_wire_ChainRequest_desc, versioned + "ChainRequest", false, 0, false, 0},
+      {&coppice_wire_ChainBlock_desc, versioned + "ChainBlock", false, static_cast<std::int32_t>(kBlockDepth), false,
+       0},
   }};
   const auto found = std::find_if(table.begin(), table.end(), [&](const TopicQos& row) { return row.type == &type; });
   COPPICE_CHECK(found != table.end());
@@ -42,15 +47,14 @@ const TopicQos& qos_of(const dds_topic_descriptor_t& type) {
 
 using Qos = std::unique_ptr<dds_qos_t, decltype(&dds_delete_qos)>;
 
-Qos make_qos(const TopicQos& topic) {
+Qos make_qos(const TopicQos& topic, std::int32_t keep_last) {
   Qos qos(dds_create_qos(), &dds_delete_qos);
-  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE,
-                       DDS_MSECS(topic.keep_last == 0 ? kWorkerBlockMs : kNeverBlockMs));
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(keep_last == 0 ? kWorkerBlockMs : kNeverBlockMs));
   dds_qset_durability(qos.get(), topic.transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
-  if (topic.keep_last == 0) {
+  if (keep_last == 0) {
     dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, DDS_LENGTH_UNLIMITED);
   } else {
-    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, topic.keep_last);
+    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, keep_last);
   }
   if (topic.liveliness) {
     dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, DDS_MSECS(kLivelinessLeaseMs));
@@ -62,7 +66,7 @@ Qos make_qos(const TopicQos& topic) {
 Result<Entity> make_endpoint(const Participant& participant, const dds_topic_descriptor_t& type,
                              const std::string& partition, bool writes) {
   const TopicQos& topic_qos = qos_of(type);
-  const Qos qos = make_qos(topic_qos);
+  const Qos qos = make_qos(topic_qos, !writes && topic_qos.heard > 0 ? topic_qos.heard : topic_qos.keep_last);
   auto topic =
       Entity::own(dds_create_topic(participant.get(), &type, topic_qos.name.c_str(), nullptr, nullptr), topic_qos.name);
   if (!topic) {
@@ -142,11 +146,8 @@ std::string shown(const char* text) {
 }
 
 std::string host_name() {
-  std::array<char, 256> name{};
-  if (gethostname(name.data(), name.size() - 1) != 0) {
-    return "unknown-host";
-  }
-  return name.data();
+  const std::string name = coppice::host_name();
+  return name.empty() ? "unknown-host" : name;
 }
 
 }  // namespace coppice::wire

@@ -19,7 +19,7 @@ namespace coppice::wire {
 
 // Of every sample. A change of the contract that old programs would misread raises it, and so does a change of what
 // evaluate() returns: workers of two builds must never give two answers.
-inline constexpr std::uint32_t kProtocolVersion = 3;
+inline constexpr std::uint32_t kProtocolVersion = 5;
 
 using Hello = coppice_wire_Hello;
 using Control = coppice_wire_Control;

@@ -13,15 +13,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kBlock = 1000;
+constexpr std::size_t kCacheBlock = 1000;
 
 class Cache : public ::testing::Test {
  protected:
-  Assembly start() const { return Assembly::start(hash_, bytes_.size(), kBlock).value(); }
-  std::size_t blocks() const { return (bytes_.size() + kBlock - 1) / kBlock; }
+  Assembly start() const { return Assembly::start(hash_, bytes_.size(), kCacheBlock).value(); }
+  std::size_t blocks() const { return (bytes_.size() + kCacheBlock - 1) / kCacheBlock; }
   void add(Assembly& assembly, std::size_t index) const {
-    const std::size_t begin = index * kBlock;
-    const auto block = std::span(bytes_).subspan(begin, std::min(kBlock, bytes_.size() - begin));
+    const std::size_t begin = index * kCacheBlock;
+    const auto block = std::span(bytes_).subspan(begin, std::min(kCacheBlock, bytes_.size() - begin));
     ASSERT_TRUE(assembly.add(static_cast<std::uint32_t>(index), block));
   }
   ChainCache cache() const { return std::move(ChainCache::open(folder_.path() / "cache")).value(); }
@@ -103,10 +103,10 @@ TEST_F(Cache, IsWrittenByOneAndReadByOthers) {
   add(reading, 2);
   reader.keep(reading);
   reader.discard();  // not its own
-  EXPECT_EQ(fs::file_size(file()), 2 * kBlock);
+  EXPECT_EQ(fs::file_size(file()), 2 * kCacheBlock);
   add(writing, 2);
   writer.keep(writing);
-  EXPECT_EQ(fs::file_size(file()), 3 * kBlock);
+  EXPECT_EQ(fs::file_size(file()), 3 * kCacheBlock);
 }
 
 TEST_F(Cache, KeepsTheLastUsedFiles) {
@@ -114,7 +114,7 @@ TEST_F(Cache, KeepsTheLastUsedFiles) {
   for (std::uint8_t i = 0; i < ChainCache::kMaxFiles + 2; ++i) {
     ChainHash hash{};
     hash.bytes[0] = i;
-    Assembly assembly = Assembly::start(hash, kBlock, kBlock).value();
+    Assembly assembly = Assembly::start(hash, kCacheBlock, kCacheBlock).value();
     used.resume(assembly);  // none of them ever comes
     fs::last_write_time(folder_.path() / "cache" / (hash.hex() + ".chain"),
                         fs::file_time_type::clock::now() - std::chrono::hours(24 - i));
