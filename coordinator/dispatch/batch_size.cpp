@@ -42,7 +42,7 @@ std::uint32_t batch_size(const BatchRequest& request) {
   const double guided = std::ceil(kGuidedShare * left / each);
   const double shortest = std::ceil(in_nanoseconds(kShortestBatch) / each);
   const double longest = std::max(std::floor(in_nanoseconds(kLongestBatch) / each), 1.0);
-  // What the worker will have done when the last of the others ends: an individual is not divided.
+  // What the worker will have done when the last of the others ends: a unit is not divided.
   const double in_time = std::floor((left + request.fastest) / each + 1e-9);  // rounding must not refuse equals
   const double size = std::min({std::max(guided, shortest), longest, in_time});
   return size < 1.0 ? 0 : static_cast<std::uint32_t>(std::min(size, static_cast<double>(request.waiting)));

@@ -1,5 +1,6 @@
-// The one seam of the coordinator: a batch of trees in, their tallies out, in order. Serial and remote evaluation
-// are indistinguishable but for time: the same bits for any number of workers and any fault.
+// The seam of the coordinator: a batch of trees in, their tallies out, in order; or epochs of demes (deme_evolver.hpp).
+// Serial and remote evaluation are indistinguishable but for time: the same bits for any number of workers and any
+// fault.
 #pragma once
 
 #include <atomic>
@@ -17,7 +18,11 @@
 
 namespace coppice {
 
-// What an evaluator did so far; for progress lines and reports, never for decisions.
+struct EvolveConfig;
+class DemeEvolver;
+
+// What an evaluator did so far; for progress lines and reports, never for decisions. Units of work are individuals, but
+// for other kinds of work (work.hpp).
 struct DispatchStatistics {
   std::uint64_t individuals = 0;     // settled
   std::uint64_t repeated = 0;        // of them: not evaluated, because another meant the same
@@ -26,7 +31,12 @@ struct DispatchStatistics {
   std::uint64_t sent_bytes = 0;      // of tasks: what the batches' payloads hold
   std::uint64_t received_bytes = 0;  // of answers
   std::uint64_t duplicates = 0;      // answers to batches that were already settled
+  std::uint64_t compared = 0;        // individuals in them that were compared with what had settled them
   std::uint64_t requeued = 0;        // batches taken back from a worker that died, hung, left or was late
+  std::uint64_t retried = 0;         // individuals in them that were handed out again
+  std::uint64_t suspect = 0;         // of them: their worker's process died while it was at them
+  std::uint64_t apart = 0;           // individuals that the coordinator evaluated in a process of its own, therefore
+  std::uint64_t at_home = 0;         // individuals that it evaluated itself, because sending them costs more
   std::uint64_t rejected = 0;        // samples that did not decode, or belonged to nobody
   std::uint64_t workers_lost = 0;
   std::uint64_t cross_checked = 0;  // individuals that the coordinator evaluated again
@@ -41,11 +51,18 @@ class Evaluator {
   Evaluator& operator=(const Evaluator&) = delete;
   virtual ~Evaluator() = default;
 
-  // One tally per tree, in the order of the trees. A tree that could not be evaluated (too many workers were lost with
-  // it) has a tally of 0 steps, and is reported. REQUIRES: every tree passed check_tree() for the chain. Errors:
-  // interrupted (the stop flag was raised); failed (no worker within the limit); bad_input (the job does not fit the
-  // chain).
+  // One tally per tree, in the order of the trees: never another than the pure function's. REQUIRES: every tree passed
+  // check_tree() for the chain. Errors: interrupted (the stop flag was raised); failed (no worker within the limit; a
+  // tree that ends every process that evaluates it, which is named); revoked (what was returned earlier rests on a
+  // worker that is now found to lie: whoever built on it may begin again); bad_input (the job does not fit the chain).
   virtual Result<std::vector<Tally>> evaluate(std::span<const Tree> trees, const Job& job) = 0;
+
+  // Whoever runs epochs of such demes where this evaluates; null: they are bred by the caller, and their slots
+  // evaluated. Lives as long as the evaluator, and is not used while evaluate() is.
+  virtual DemeEvolver* demes(const EvolveConfig& config) {
+    static_cast<void>(config);
+    return nullptr;
+  }
 
   virtual DispatchStatistics statistics() const = 0;
 };

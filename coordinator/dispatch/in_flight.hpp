@@ -1,15 +1,21 @@
-// Who has which slots: the bookkeeping of generations on their way through the workers, one or several at a time,
-// without DDS, threads or clocks of its own (time is passed in), so that every fault can be tested as a sequence of
-// calls.
+// Who has which units: the bookkeeping of requests on their way through the workers, one or several at a time, without
+// DDS, threads or clocks of its own (time is passed in), so that every fault can be tested as a sequence of calls.
 //
-// The life of a slot: waiting -> offered to a worker in a batch -> settled by the first answer that names it. A
-// lost worker's slots wait again, at the front; when nothing waits, a batch that is overdue, or that an idle worker
-// would have done long before its own, may be offered to a second worker as a copy.
-// Because a tally is a pure function of its slot, it does not matter which answer comes first.
+// The life of a unit: waiting -> out at a worker, or at home, in a batch -> settled by the first answer that names it.
+// A lost worker's units wait again, at the front; when nothing waits, a batch that is overdue, or that an idle worker
+// would have done long before its own, may be offered to a second worker as a copy. Because an outcome is a pure
+// function of its unit, it does not matter which answer comes first.
 //
-// Generations are served in the order in which they began. A batch holds slots of one generation.
+// A unit is never given up. A worker that is known to have died counts against what it was at work on: after
+// isolate_after deaths a unit travels alone, after apart_after it waits to be computed apart (by the coordinator, in a
+// process of its own). A worker that went out of reach proves nothing against its units; yet after lost_before_apart of
+// them a unit is computed apart as well, so that what kills workers on hosts of which we hear no more ends somewhere.
+// What a worker lacked the memory for travels alone next, and after short_before_apart such answers is computed apart.
 //
-// Invariant: every slot of a generation is settled, or waiting, or in a batch that is out.
+// Requests are served in the order in which they were opened. A batch holds units of one request.
+//
+// Invariant: every unit of a request is settled, or waiting, or waits to be computed apart, or is in a batch that is
+// out.
 #pragma once
 
 #include <chrono>
@@ -19,33 +25,20 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string>
 #include <vector>
+
+#include "coordinator/dispatch/work.hpp"
 
 namespace coppice {
 
-enum class WorkerId : std::uint64_t {};
-enum class BatchId : std::uint64_t {};
-enum class GenerationId : std::uint64_t {};
-
 struct InFlightLimits {
-  std::size_t ahead = 1;            // batches out at a worker beyond those at work, to hide the way there
-  std::uint32_t attempts = 5;       // workers that may be lost with a slot before it counts as poisonous
-  std::uint32_t isolate_after = 2;  // lost workers after which a slot travels alone
-  std::uint32_t copies = 2;         // of one batch; a copy is not copied
-};
-
-// Slots first .. first + count - 1 of a generation.
-struct Batch {
-  BatchId id{};
-  GenerationId generation{};
-  std::uint32_t first = 0;
-  std::uint32_t count = 0;
-};
-
-struct Slot {
-  GenerationId generation{};
-  std::uint32_t index = 0;
-  bool operator==(const Slot&) const = default;
+  std::size_t ahead = 1;                 // batches out at a worker beyond those at work, to hide the way there
+  std::uint32_t isolate_after = 2;       // deaths of workers at work on a unit after which it travels alone
+  std::uint32_t apart_after = 3;         // such deaths after which it is computed apart
+  std::uint32_t lost_before_apart = 8;   // workers out of reach with a unit after which it is computed apart
+  std::uint32_t short_before_apart = 4;  // workers whose memory did not suffice, after which it is computed apart
+  std::uint32_t copies = 2;              // of one batch; a copy is not copied
 };
 
 class InFlight {
@@ -55,30 +48,34 @@ class InFlight {
 
   explicit InFlight(const InFlightLimits& limits) : limits_(limits) {}
 
-  // Starts a generation of `slots`.
-  GenerationId begin(std::uint32_t slots);
-  // Forgets a generation, settled or not. What is still out of it stays charged to its worker until answered.
-  void end(GenerationId generation);
+  // A request without units; a batch holds at most so many of them. REQUIRES: never opened before; most_per_batch >= 1.
+  void open(RequestId request, std::uint32_t most_per_batch = ~std::uint32_t{0});
+  // So many more units of it, after those it has. REQUIRES: open.
+  void add(RequestId request, std::uint32_t units);
+  // Forgets a request, settled or not. What is still out of it stays charged to its worker until answered.
+  void close(RequestId request);
 
-  // A worker with so many evaluating threads. One that was lost and is back did not die after all: what it held is
-  // cleared of suspicion. REQUIRES: lanes >= 1.
+  // A worker with so many computing threads. One that was lost and is back was only out of reach: what it held is
+  // cleared. REQUIRES: lanes >= 1; not kHome.
   void add_worker(WorkerId worker, std::size_t lanes = 1);
   bool has_worker(WorkerId worker) const { return workers_.count(worker) != 0; }
   std::size_t workers() const { return workers_.size(); }
-  // Batches out at a worker, copies and leftovers of earlier generations included; and the slots in them.
+  // Batches out at a worker, copies and leftovers of closed requests included; and the units in them.
   std::size_t load(WorkerId worker) const;
   std::uint32_t backlog(WorkerId worker) const;
-  // How long the worker is busy with them, if an individual takes `each`; 0 when it should have answered already.
+  // Batches that may be out at it.
+  std::size_t credit(WorkerId worker) const;
+  // How long the worker is busy with them, if a unit takes `each`; 0 when it should have answered already.
   Duration remaining(WorkerId worker, Time now, Duration each) const;
 
   // What may be expected of a worker.
   struct Terms {
     Duration patience{0};  // after it a batch is overdue
-    Duration each{0};      // an individual takes it; 0: not known
+    Duration each{0};      // a unit takes it; 0: not known
   };
   // Whether offer() could hand this worker anything.
   bool can_take(WorkerId worker) const;
-  // Takes at most `most` waiting slots for the worker. None when nothing waits that it may take, or its credit is used
+  // Takes at most `most` waiting units for the worker. None when nothing waits that it may take, or its credit is used
   // up. REQUIRES: has_worker(worker), most >= 1.
   std::optional<Batch> offer(WorkerId worker, std::uint32_t most, Time now, const Terms& terms);
   // Nothing waits and a lane is idle: a copy of the batch out at somebody else that is overdue longest, or else of
@@ -86,6 +83,28 @@ class InFlight {
   // pace holds is overdue when the idle one would have done it several times.
   // REQUIRES: has_worker(worker).
   std::optional<Batch> offer_copy(WorkerId worker, Time now, const Terms& terms);
+  // A unit that travels alone needs a worker that holds nothing. While others would fill all of them up again and
+  // again, the one of these that is free first is kept for it. REQUIRES: all are in the books.
+  struct Candidate {
+    WorkerId worker{};
+    Duration remaining{0};
+  };
+  bool isolated_waits() const { return isolated_waiting_ > 0; }
+  std::uint32_t isolated_waiting() const { return isolated_waiting_; }
+  void keep_one_free(const std::vector<Candidate>& workers);
+  // At most `most` waiting units of that request for the coordinator itself; isolated ones are not among them.
+  std::optional<Batch> offer_home(RequestId request, std::uint32_t most, Time now);
+  // The next unit that waits to be computed apart, as a batch at home.
+  std::optional<Batch> offer_apart(Time now);
+  std::size_t waiting_apart() const { return apart_.size(); }
+  // While units wait, nobody is idle and no copy is made: what is overdue by its patience once more, and by kGrace at
+  // least, waits again then, at the front, once for each batch. Nothing starves behind requests that follow.
+  static constexpr std::chrono::seconds kGrace{1};
+  struct Overdue {
+    std::size_t batches = 0;
+    std::uint32_t units = 0;
+  };
+  Overdue offer_overdue_again(Time now);
   // Workers with a batch that is overdue.
   std::set<WorkerId> late(Time now) const;
   // When the next batch becomes overdue, if any is out.
@@ -95,46 +114,64 @@ class InFlight {
   struct Settlement {
     Settled kind = Settled::foreign;
     Batch batch;                       // unless foreign
-    std::vector<std::uint32_t> fresh;  // slots that this answer settled
+    std::vector<std::uint32_t> fresh;  // units that this answer settled
   };
   // An answer. Late answers of lost workers settle too; foreign: no such batch is out at that worker.
   Settlement settle(BatchId batch, WorkerId worker, Time now);
   // The batch as it went out to that worker, to check an answer against before it settles anything. `current`: its
-  // generation has not ended, else its answer settles nothing.
+  // request is open, else its answer settles nothing.
   struct Found {
     Batch batch;
     bool current = false;
     Time sent;
   };
   std::optional<Found> find(BatchId batch, WorkerId worker) const;
-  // The worker returned the batch unevaluated; its slots wait again, at the front. False: foreign.
-  bool give_back(BatchId batch, WorkerId worker);
+  // REQUIRES: its request is open.
+  bool is_settled(const Unit& unit) const { return requests_.at(unit.request).settled[unit.index]; }
+  // The worker returned the batch without an answer; its units wait again, at the front. False: foreign.
+  enum class Reason : std::uint8_t { leaves, lacks_memory };
+  bool give_back(BatchId batch, WorkerId worker, Reason reason = Reason::leaves);
 
+  enum class Farewell : std::uint8_t {
+    left,         // in order, or by our own doing
+    unreachable,  // nobody knows what became of it
+    died,         // its process is known to have ended
+  };
   struct Loss {
     std::size_t batches = 0;
-    std::vector<Slot> poisonous;  // settled by giving up: too many workers were lost with them
+    std::uint32_t units = 0;    // that wait again
+    std::uint32_t suspect = 0;  // of them, at work when their worker died
+    std::uint32_t apart = 0;    // of them, to be computed apart now
   };
-  // The worker died, is out of reach, or left in order; its slots wait again, at the front. Answers that still come
-  // from it count. Only a worker that did not leave in order casts suspicion on what it held.
-  enum class Farewell : std::uint8_t { died, left };
+  // The worker's units wait again, at the front. Answers that still come from it count.
   Loss lose_worker(WorkerId worker, Farewell farewell);
 
-  // All generations that have not ended are settled; or this one.
+  // All open requests are settled; or this one.
   bool done() const { return unsettled_ == 0; }
-  bool done(GenerationId generation) const { return generations_.at(generation).unsettled == 0; }
+  bool done(RequestId request) const { return requests_.at(request).unsettled == 0; }
   std::uint32_t unsettled() const { return unsettled_; }
   std::uint32_t waiting() const { return waiting_; }
-  // Whose slots go out next.
-  std::optional<GenerationId> front() const;
+  // Whose units go out next.
+  std::optional<RequestId> front() const;
+  // Deaths counted against a unit. REQUIRES: its request is open.
+  std::uint32_t deaths(const Unit& unit) const;
+  // How the books contradict themselves or lose a unit, in words; empty: not at all. For tests: it reads them all.
+  std::string inconsistency() const;
 
  private:
-  struct Generation {
+  struct Suspicion {
+    std::uint32_t deaths = 0;
+    std::uint32_t losses = 0;
+    std::uint32_t shortages = 0;
+  };
+  struct Request {
     std::vector<bool> settled;
-    std::vector<std::uint32_t> attempts;
+    std::map<std::uint32_t, Suspicion> suspicions;  // of units with any
     std::uint32_t unsettled = 0;
+    std::uint32_t most_per_batch = 1;
   };
   struct Range {
-    GenerationId generation{};
+    RequestId request{};
     std::uint32_t first = 0;
     std::uint32_t count = 0;
     bool alone = false;
@@ -144,46 +181,52 @@ class InFlight {
     WorkerId worker{};
     Time sent;
     Time due;
+    Duration patience{0};
     std::optional<Time> expected;  // when its answer should come
     std::uint32_t copies = 0;      // of this batch, made so far
     bool alone = false;
     bool lost = false;       // its worker is: not charged, but an answer still counts
-    bool suspected = false;  // lost by death: counted in attempts
+    bool suspected = false;  // lost without a word: counted in losses
   };
   struct Worker {
     std::size_t lanes = 1;
     std::size_t out = 0;      // batches
-    std::uint32_t slots = 0;  // in them
+    std::uint32_t units = 0;  // in them
     Time since{};             // it is at work on them
-    bool alone = false;       // holds an isolated slot: gets nothing beside it
+    bool alone = false;       // holds an isolated unit: gets nothing beside it
   };
 
-  bool may_take(const Worker& worker, const Range& range) const;
-  void wait_again(const Out& out);
+  bool may_take(WorkerId id, const Worker& worker, const Range& range) const;
+  void wait_again(const Out& out, Loss& loss);
+  bool is_apart(const Unit& unit) const;
   void push_waiting(const Range& range);
-  std::optional<Range> take_range(const Worker& worker, std::uint32_t most);
+  void forget_waiting(const Range& range);
+  std::optional<Range> take_range(WorkerId id, const Worker& worker, std::uint32_t most);
   Batch send(Worker& worker, WorkerId id, const Range& range, Time now, const Terms& terms);
+  Batch keep_home(const Range& range, Time now);
   Out* worth_a_copy(WorkerId worker, Time now, Duration each);
   bool has_unsettled(const Out& out) const;
   bool can_be_copied(const Out& out) const;
-  bool is_held_elsewhere(const Slot& slot) const;
   void discharge(const Out& out);
-  void settle_slot(Generation& generation, std::uint32_t slot);
-  // Null: ended.
-  Generation* generation_of(const Batch& batch);
-  const Generation* generation_of(const Batch& batch) const;
+  void settle_unit(Request& request, std::uint32_t unit);
+  void suspect(Out& out, Farewell farewell, bool at_work, Loss& loss);
+  // Null: closed.
+  Request* request_of(const Batch& batch);
+  const Request* request_of(const Batch& batch) const;
   void drop_settled();
 
   InFlightLimits limits_;
-  std::uint64_t next_generation_ = 1;
   std::uint64_t next_batch_ = 1;
   std::deque<Range> queue_;
+  std::deque<Unit> apart_;
   std::map<BatchId, Out> out_;
   std::map<WorkerId, Worker> workers_;
-  std::map<GenerationId, Generation> generations_;
-  std::uint32_t unsettled_ = 0;  // slots of all
-  std::uint32_t waiting_ = 0;    // slots in queue_
-  bool doubled_ = false;         // a slot may be in two places: queue_ can hold settled ones
+  std::map<RequestId, Request> requests_;
+  std::optional<WorkerId> kept_free_;   // for an isolated unit
+  std::uint32_t unsettled_ = 0;         // units of all
+  std::uint32_t waiting_ = 0;           // units in queue_
+  std::uint32_t isolated_waiting_ = 0;  // of them, isolated
+  bool doubled_ = false;                // a unit may be in two places: queue_ and apart_ can hold settled ones
 };
 
 }  // namespace coppice

@@ -1,6 +1,6 @@
-// What an individual takes at one worker, learned from its answers: for jobs of each size, the mean over about the last
-// kMemory individuals. It doubts measurements that no later one confirms: a worker that was held up once would
-// otherwise be taken for slow for ever, because it is given nothing that could show the contrary.
+// What a unit takes at one worker, learned from its answers: for each class of work, the mean over about the last
+// kMemory units. It doubts measurements that no later one confirms: a worker that was held up once would otherwise be
+// taken for slow for ever, because it is given nothing that could show the contrary.
 #pragma once
 
 #include <algorithm>
@@ -8,52 +8,55 @@
 #include <cstdint>
 #include <vector>
 
+#include "coordinator/dispatch/work.hpp"
+
 namespace coppice {
 
 class MeasuredPace {
  public:
-  static constexpr double kMemory = 50.0;  // individuals
-  static constexpr double kDoubt = 0.7;    // what remains of the cost after a generation without an answer
+  static constexpr double kMemory = 50.0;  // units
+  static constexpr double kDoubt = 0.7;    // what remains of the cost after a request without an answer
 
-  static constexpr std::size_t kSizes = 16;  // the job sizes that were met last
+  static constexpr std::size_t kClasses = 16;  // the classes of work that were met last
 
-  // An answer: so many individuals of `steps` walked steps took so long. REQUIRES: individuals >= 1.
-  void add(std::chrono::nanoseconds elapsed, std::uint32_t individuals, std::uint64_t steps) {
-    auto size = find(steps);
-    if (size == sizes_.end()) {
-      sizes_.resize(std::min(sizes_.size(), kSizes - 1));
-      size = sizes_.insert(sizes_.begin(), Size{.steps = steps});
+  // An answer: so many units took so long. REQUIRES: units >= 1.
+  void add(std::chrono::nanoseconds elapsed, std::uint32_t units, const WorkClass& work) {
+    auto met = find(work);
+    if (met == met_.end()) {
+      met_.resize(std::min(met_.size(), kClasses - 1));
+      met = met_.insert(met_.begin(), Met{.work = work});
     }
-    const double count = individuals;
+    const double count = units;
     const double each = static_cast<double>(elapsed.count()) / count;
-    size->weight = std::min(size->weight, kMemory);
-    size->each += (each - size->each) * count / (size->weight + count);
-    size->weight += count;
+    met->weight = std::min(met->weight, kMemory);
+    met->each += (each - met->each) * count / (met->weight + count);
+    met->weight += count;
     confirmed_ = true;
   }
-  void begin_generation() {
-    for (Size& size : sizes_) {
-      size.each *= confirmed_ ? 1.0 : kDoubt;
+  // More is asked for: what was measured before is doubted unless an answer came since the last time.
+  void doubt() {
+    for (Met& met : met_) {
+      met.each *= confirmed_ ? 1.0 : kDoubt;
     }
     confirmed_ = false;
   }
-  // Of an individual of `steps` walked steps; 0: not known.
-  std::chrono::nanoseconds each(std::uint64_t steps) const {
-    const auto size = std::find_if(sizes_.begin(), sizes_.end(), [&](const Size& at) { return at.steps == steps; });
-    return std::chrono::nanoseconds(size == sizes_.end() ? 0 : static_cast<std::int64_t>(size->each));
+  // Of a unit; 0: not known.
+  std::chrono::nanoseconds each(const WorkClass& work) const {
+    const auto met = std::find_if(met_.begin(), met_.end(), [&](const Met& at) { return at.work == work; });
+    return std::chrono::nanoseconds(met == met_.end() ? 0 : static_cast<std::int64_t>(met->each));
   }
 
  private:
-  struct Size {
-    std::uint64_t steps = 0;
+  struct Met {
+    WorkClass work;
     double each = 0.0;    // nanoseconds
-    double weight = 0.0;  // individuals
+    double weight = 0.0;  // units
   };
-  std::vector<Size>::iterator find(std::uint64_t steps) {
-    return std::find_if(sizes_.begin(), sizes_.end(), [&](const Size& at) { return at.steps == steps; });
+  std::vector<Met>::iterator find(const WorkClass& work) {
+    return std::find_if(met_.begin(), met_.end(), [&](const Met& at) { return at.work == work; });
   }
 
-  std::vector<Size> sizes_;
+  std::vector<Met> met_;
   bool confirmed_ = true;
 };
 

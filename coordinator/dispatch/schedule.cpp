@@ -16,12 +16,12 @@ constexpr auto kLongestPatience = 60s;
 constexpr auto kPatienceUnmeasured = 2s;
 constexpr int kPatienceFactor = 4;  // times the measured cost of all that the worker has before it
 
-InFlight::Terms terms_for(const ReadyWorker& worker, std::uint32_t backlog, std::uint32_t slots) {
+InFlight::Terms terms_for(const ReadyWorker& worker, std::uint32_t backlog, std::uint32_t units) {
   if (worker.pace.each.count() == 0) {
     return {.patience = kPatienceUnmeasured, .each = {}};
   }
   const double work = static_cast<double>(worker.pace.each.count()) *
-                      (static_cast<double>(backlog) + static_cast<double>(slots)) * kPatienceFactor;
+                      (static_cast<double>(backlog) + static_cast<double>(units)) * kPatienceFactor;
   const double longest = static_cast<double>(std::chrono::nanoseconds(kLongestPatience).count());
   const std::chrono::nanoseconds patience(static_cast<std::int64_t>(std::min(work, longest)));
   return {.patience = std::max<std::chrono::nanoseconds>(kShortestPatience, patience), .each = worker.pace.each};
@@ -42,7 +42,7 @@ struct Offer {
   const ReadyWorker* worker = nullptr;
   std::chrono::nanoseconds remaining{0};
   std::size_t load = 0;
-  std::uint32_t slots = 0;
+  std::uint32_t units = 0;
 };
 
 // To whom the next batch should go: of those that would be done in time with one more, the first to be free.
@@ -58,13 +58,13 @@ Offer next_offer(const InFlight& flight, std::span<const ReadyWorker> workers, c
     if (next.worker != nullptr && std::tie(remaining, load) >= std::tie(next.remaining, next.load)) {
       continue;
     }
-    const std::uint32_t slots = batch_size({.waiting = flight.waiting(),
+    const std::uint32_t units = batch_size({.waiting = flight.waiting(),
                                             .end = end,
                                             .fastest = fleet.fastest(),
                                             .worker = worker.pace,
                                             .remaining = remaining});
-    if (slots > 0) {
-      next = {&worker, remaining, load, slots};
+    if (units > 0) {
+      next = {&worker, remaining, load, units};
     }
   }
   return next;
@@ -72,26 +72,34 @@ Offer next_offer(const InFlight& flight, std::span<const ReadyWorker> workers, c
 
 }  // namespace
 
-std::vector<Assignment> next_assignments(InFlight& flight, std::span<const ReadyWorker> workers, const Horizon& horizon,
+std::vector<Assignment> next_assignments(InFlight& flight, std::span<const ReadyWorker> workers, std::uint32_t coming,
                                          InFlight::Time now) {
   std::vector<Assignment> assignments;
+  if (flight.isolated_waits()) {
+    std::vector<InFlight::Candidate> candidates;
+    candidates.reserve(workers.size());
+    for (const ReadyWorker& worker : workers) {
+      candidates.push_back({worker.id, flight.remaining(worker.id, now, worker.pace.each)});
+    }
+    flight.keep_one_free(candidates);
+  }
   if (flight.waiting() > 0) {
     const FleetPace fleet = fleet_pace(flight, workers, now);
-    // Stays as it is while slots move from waiting to pending.
-    const double end = fleet.known() ? fleet.end(flight.waiting() + horizon.coming) : 0.0;
+    // Stays as it is while units move from waiting to pending.
+    const double end = fleet.known() ? fleet.end(flight.waiting() + coming) : 0.0;
     while (flight.waiting() > 0) {
       const Offer next = next_offer(flight, workers, fleet, now, end);
       if (next.worker == nullptr) {
         break;
       }
       const WorkerId id = next.worker->id;
-      const auto terms = terms_for(*next.worker, flight.backlog(id), next.slots);
-      const auto batch = flight.offer(id, std::min(next.slots, horizon.most), now, terms);
+      const auto terms = terms_for(*next.worker, flight.backlog(id), next.units);
+      const auto batch = flight.offer(id, next.units, now, terms);
       COPPICE_CHECK(batch.has_value());  // can_take()
       assignments.push_back({id, *batch, false});
     }
   }
-  if (flight.waiting() == 0 && horizon.coming == 0 && !flight.done()) {
+  if (flight.waiting() == 0 && coming == 0 && !flight.done()) {
     for (const ReadyWorker& worker : workers) {
       const auto terms = terms_for(worker, flight.backlog(worker.id), flight.unsettled());
       if (const auto copy = flight.offer_copy(worker.id, now, terms)) {

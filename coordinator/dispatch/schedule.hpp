@@ -1,5 +1,5 @@
 // Who gets what next: the rules of batch_size.hpp applied to all workers and the books. Pure: time and paces are passed
-// in, so that a whole generation can be played through in a test.
+// in, so that a whole request can be played through in a test.
 #pragma once
 
 #include <span>
@@ -22,15 +22,10 @@ struct Assignment {
   bool copy = false;
 };
 
-struct Horizon {
-  std::uint32_t most = 1;    // slots in a batch
-  std::uint32_t coming = 0;  // slots that will wait, but are not in the books yet
-};
-
 // Enters into the books what should go out now, and returns it in the order of sending: to the first that will be free
-// first; copies when nothing waits and nothing comes.
-// REQUIRES: every worker is in the books; most >= 1.
-std::vector<Assignment> next_assignments(InFlight& flight, std::span<const ReadyWorker> workers, const Horizon& horizon,
+// first; copies when nothing waits and nothing comes. `coming`: units that will wait, but are not in the books yet.
+// REQUIRES: every worker is in the books.
+std::vector<Assignment> next_assignments(InFlight& flight, std::span<const ReadyWorker> workers, std::uint32_t coming,
                                          InFlight::Time now);
 
 }  // namespace coppice

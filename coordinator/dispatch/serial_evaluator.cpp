@@ -5,12 +5,30 @@
 
 namespace coppice {
 
-Result<std::unique_ptr<Evaluator>> SerialEvaluator::make(std::shared_ptr<const Chain> chain, const StopFlag& stop) {
-  return make(PreparedChain::make(std::move(chain)), stop);
+Result<std::unique_ptr<Evaluator>> SerialEvaluator::make(std::shared_ptr<const Chain> chain, const StopFlag& stop,
+                                                         std::size_t threads) {
+  return make(PreparedChain::make(std::move(chain)), stop, threads);
 }
 
-std::unique_ptr<Evaluator> SerialEvaluator::make(std::shared_ptr<const PreparedChain> chain, const StopFlag& stop) {
-  return std::unique_ptr<Evaluator>(new SerialEvaluator(std::move(chain), stop));
+std::unique_ptr<Evaluator> SerialEvaluator::make(std::shared_ptr<const PreparedChain> chain, const StopFlag& stop,
+                                                 std::size_t threads) {
+  return std::unique_ptr<Evaluator>(new SerialEvaluator(std::move(chain), stop, threads));
+}
+
+DemeEvolver* SerialEvaluator::demes(const EvolveConfig&) {
+  if (!demes_) {
+    demes_.emplace(chain_, threads_, stop_);
+  }
+  return &*demes_;
+}
+
+DispatchStatistics SerialEvaluator::statistics() const {
+  DispatchStatistics all = statistics_;
+  if (demes_) {
+    all.individuals += demes_->individuals();
+    all.repeated += demes_->repeated();
+  }
+  return all;
 }
 
 Result<std::vector<Tally>> SerialEvaluator::evaluate(std::span<const Tree> trees, const Job& job) {

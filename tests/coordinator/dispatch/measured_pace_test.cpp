@@ -7,55 +7,57 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(MeasuredPace, KeepsJobsOfEverySizeApart) {
+WorkClass of_size(std::uint64_t size) { return {WorkKind::evaluate, size}; }
+
+TEST(MeasuredPace, KeepsEveryClassOfWorkApart) {
   MeasuredPace pace;
-  EXPECT_EQ(pace.each(500), 0ns);
-  pace.add(20ms, 10, 500);
-  EXPECT_EQ(pace.each(500), 2ms);
-  EXPECT_EQ(pace.each(501), 0ns);
-  pace.add(50ms, 10, 50'000);
-  EXPECT_EQ(pace.each(50'000), 5ms);
-  EXPECT_EQ(pace.each(500), 2ms);
+  EXPECT_EQ(pace.each(of_size(500)), 0ns);
+  pace.add(20ms, 10, of_size(500));
+  EXPECT_EQ(pace.each(of_size(500)), 2ms);
+  EXPECT_EQ(pace.each(of_size(501)), 0ns);
+  pace.add(50ms, 10, of_size(50'000));
+  EXPECT_EQ(pace.each(of_size(50'000)), 5ms);
+  EXPECT_EQ(pace.each(of_size(500)), 2ms);
 }
 
-TEST(MeasuredPace, RemembersTheLastSizesOnly) {
+TEST(MeasuredPace, RemembersTheLastClassesOnly) {
   MeasuredPace pace;
   for (std::uint64_t steps = 1; steps <= 100; ++steps) {
-    pace.add(1ms, 1, steps);
+    pace.add(1ms, 1, of_size(steps));
   }
-  EXPECT_EQ(pace.each(1), 0ns);
-  EXPECT_EQ(pace.each(100), 1ms);
-  EXPECT_EQ(pace.each(100 - MeasuredPace::kSizes + 1), 1ms);
+  EXPECT_EQ(pace.each(of_size(1)), 0ns);
+  EXPECT_EQ(pace.each(of_size(100)), 1ms);
+  EXPECT_EQ(pace.each(of_size(100 - MeasuredPace::kClasses + 1)), 1ms);
 }
 
-TEST(MeasuredPace, WeighsAnswersByTheirIndividuals) {
+TEST(MeasuredPace, WeighsAnswersByTheirUnits) {
   MeasuredPace pace;
-  pace.add(10ms, 1, 500);  // held up
-  pace.add(99us, 99, 500);
-  EXPECT_EQ(pace.each(500), 100'990ns);
+  pace.add(10ms, 1, of_size(500));  // held up
+  pace.add(99us, 99, of_size(500));
+  EXPECT_EQ(pace.each(of_size(500)), 100'990ns);
 }
 
 TEST(MeasuredPace, FollowsAWorkerThatChanges) {
   MeasuredPace pace;
-  pace.add(1s, 1000, 500);
+  pace.add(1s, 1000, of_size(500));
   for (int batch = 0; batch < 10; ++batch) {
-    pace.add(500ms, 50, 500);  // ten times slower
+    pace.add(500ms, 50, of_size(500));  // ten times slower
   }
-  EXPECT_GT(pace.each(500), 9900us);
-  EXPECT_LE(pace.each(500), 10ms);
+  EXPECT_GT(pace.each(of_size(500)), 9900us);
+  EXPECT_LE(pace.each(of_size(500)), 10ms);
 }
 
 TEST(MeasuredPace, DoubtsWhatNothingConfirms) {
   MeasuredPace pace;
-  pace.begin_generation();
-  pace.add(1s, 1, 500);
-  pace.begin_generation();
-  EXPECT_EQ(pace.each(500), 1s);
+  pace.doubt();
+  pace.add(1s, 1, of_size(500));
+  pace.doubt();
+  EXPECT_EQ(pace.each(of_size(500)), 1s);
   for (int generation = 0; generation < 20; ++generation) {
-    pace.begin_generation();
+    pace.doubt();
   }
-  EXPECT_LT(pace.each(500), 1ms);
-  EXPECT_GT(pace.each(500), 0ns);
+  EXPECT_LT(pace.each(of_size(500)), 1ms);
+  EXPECT_GT(pace.each(of_size(500)), 0ns);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Generations played through on a clock of the test's own: paces are exact, the way there and back takes a fixed time.
+// Requests played through on a clock of the test's own: paces are exact, the way there and back takes a fixed time.
 #include "coordinator/dispatch/schedule.hpp"
 
 #include <algorithm>
@@ -30,17 +30,19 @@ class Play {
     for (std::size_t i = 0; i < paces.size(); ++i) {
       workers_.emplace_back();
       workers_.back().each = paces[i];
-      flight_.add_worker(WorkerId{i});
+      flight_.add_worker(WorkerId{i + 1});
     }
   }
 
   Worker& worker(std::size_t index) { return workers_[index]; }
   int copies() const { return copies_; }
 
-  // How long a generation takes.
-  Duration generation(std::uint32_t slots) {
+  // How long a request takes.
+  Duration request_of(std::uint32_t units) {
     const Time begin = now_;
-    const GenerationId generation = flight_.begin(slots);
+    const RequestId request{++requests_};
+    flight_.open(request, kMost);
+    flight_.add(request, units);
     for (int event = 0; !flight_.done(); ++event) {
       EXPECT_LT(event, kMostEvents) << "stuck";
       if (event >= kMostEvents) {
@@ -49,7 +51,7 @@ class Play {
       hand_out();
       pass_time();
     }
-    flight_.end(generation);
+    flight_.close(request);
     return now_ - begin;
   }
 
@@ -57,10 +59,10 @@ class Play {
   void hand_out() {
     std::vector<ReadyWorker> ready;
     for (std::size_t i = 0; i < workers_.size(); ++i) {
-      ready.push_back({WorkerId{i}, {1, workers_[i].measured ? workers_[i].each : 0ns}});
+      ready.push_back({WorkerId{i + 1}, {1, workers_[i].measured ? workers_[i].each : 0ns}});
     }
-    for (const Assignment& assignment : next_assignments(flight_, ready, {.most = kMost}, now_)) {
-      Worker& worker = workers_[static_cast<std::size_t>(assignment.worker)];
+    for (const Assignment& assignment : next_assignments(flight_, ready, 0, now_)) {
+      Worker& worker = workers_[static_cast<std::size_t>(assignment.worker) - 1];
       if (worker.held.empty()) {
         worker.free = now_ + kWay;
       }
@@ -92,7 +94,7 @@ class Play {
     Worker& worker = workers_[*from];
     worker.free = answer_of(worker);
     now_ = std::max(now_, next);
-    flight_.settle(worker.held.front().id, WorkerId{*from}, now_);
+    flight_.settle(worker.held.front().id, WorkerId{*from + 1}, now_);
     worker.held.erase(worker.held.begin());
     worker.measured = true;
   }
@@ -100,6 +102,7 @@ class Play {
   static constexpr Duration kWay = 50us;
   static constexpr Duration kTend = 100ms;
 
+  std::uint64_t requests_ = 0;
   InFlight flight_{InFlightLimits{}};
   std::vector<Worker> workers_;
   int copies_ = 0;
@@ -113,52 +116,52 @@ double ratio(Duration time, Duration ideal) {
 TEST(Schedule, KeepsWorkersOfOnePaceBusyToTheEnd) {
   for (const std::size_t workers : {1, 2, 7, 64}) {
     Play play(std::vector<Duration>(workers, 2ms));
-    const auto slots = static_cast<std::uint32_t>(20 * workers);
-    play.generation(slots);
-    EXPECT_LT(ratio(play.generation(slots), 40ms), 1.1) << workers << " workers";
+    const auto units = static_cast<std::uint32_t>(20 * workers);
+    play.request_of(units);
+    EXPECT_LT(ratio(play.request_of(units), 40ms), 1.1) << workers << " workers";
   }
 }
 
 TEST(Schedule, EndsWithinAFifthOfTheIdealWithOneWorkerTenTimesSlower) {
   std::vector<Duration> paces(19, 2ms);
   paces.push_back(20ms);
-  for (const std::uint32_t slots : {400U, 1000U, 4000U}) {
+  for (const std::uint32_t units : {400U, 1000U, 4000U}) {
     Play play(paces);
     const double individuals_per_ms = 19.0 / 2.0 + 1.0 / 20.0;
-    const auto ideal = std::chrono::nanoseconds(static_cast<std::int64_t>(slots / individuals_per_ms * 1e6));
-    EXPECT_LT(ratio(play.generation(slots), ideal), 1.2) << slots << " slots, paces unknown";
-    EXPECT_LT(ratio(play.generation(slots), ideal), 1.2) << slots << " slots, paces known";
+    const auto ideal = std::chrono::nanoseconds(static_cast<std::int64_t>(units / individuals_per_ms * 1e6));
+    EXPECT_LT(ratio(play.request_of(units), ideal), 1.2) << units << " units, paces unknown";
+    EXPECT_LT(ratio(play.request_of(units), ideal), 1.2) << units << " units, paces known";
   }
 }
 
 TEST(Schedule, TakesAWorkerThatSlowsDownForWhatItIs) {
   Play play(std::vector<Duration>(10, 1ms));
-  play.generation(500);
+  play.request_of(500);
   play.worker(3).each = 50ms;  // 50 times slower, and the coordinator learns of it by answers alone
-  play.generation(500);
-  EXPECT_LT(ratio(play.generation(500), 500ms / 9), 1.2);
+  play.request_of(500);
+  EXPECT_LT(ratio(play.request_of(500), 500ms / 9), 1.2);
 }
 
 TEST(Schedule, FinishesWithoutAWorkerThatStopped) {
   Play play(std::vector<Duration>(4, 1ms));
-  play.generation(100);
+  play.request_of(100);
   play.worker(0).stopped = true;
-  play.generation(100);
+  play.request_of(100);
   EXPECT_GT(play.copies(), 0);
 }
 
 TEST(Schedule, FinishesWithoutAWorkerThatNeverAnswered) {
   Play play(std::vector<Duration>(3, 1ms));
   play.worker(1).stopped = true;
-  play.generation(100);
+  play.request_of(100);
   EXPECT_GT(play.copies(), 0);
 }
 
 TEST(Schedule, FinishesWhenTheFastestStopped) {
   Play play({1us, 50ms});
-  play.generation(100);
+  play.request_of(100);
   play.worker(0).stopped = true;
-  play.generation(10);
+  play.request_of(10);
   EXPECT_GT(play.copies(), 0);
 }
 

@@ -1,0 +1,433 @@
+#include "coordinator/fleet/fleet.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <random>
+#include <spdlog/spdlog.h>
+#include <thread>
+#include <unistd.h>
+
+#include "common/check.hpp"
+#include "common/fitness/golden_job.hpp"
+#include "common/version.hpp"
+#include "coordinator/dispatch/serial_evaluator.hpp"
+
+namespace coppice {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::chrono::milliseconds kSettlingInterval{5};  // new workers are looked at this often
+constexpr std::chrono::milliseconds kListenAtHome{10};     // workers are heard this often meanwhile
+constexpr int kMostSteps = 64;  // in a row, without listening, while what was done makes events
+// A tree's meaning is found in about 0.8 us; individuals whose walks take fewer steps are evaluated sooner than that
+// saves. The worker that holds several of one meaning evaluates them once all the same.
+constexpr std::uint64_t kStepsWorthSeeking = 5000;
+constexpr std::chrono::microseconds kPaceWorthSeeking{20};
+
+std::uint64_t random_seed() {
+  std::random_device device;
+  const std::uint64_t high = device();
+  return high << 32U | device();
+}
+
+DispatchSettings settings_of(const FleetOptions& options, std::uint32_t domain) {
+  DispatchSettings settings;
+  settings.limits = options.limits;
+  settings.wait_limit = options.wait_limit;
+  settings.cross_check = options.cross_check;
+  settings.seed = random_seed();
+  settings.places = options.local_workers;
+  settings.protocol = wire::kProtocolVersion;
+  settings.golden = golden_checksum();
+  settings.version = kVersion;
+  settings.invitation = fmt::format("coppice-worker --coordinator {} --domain {}",
+                                    options.interface == "lo" ? "127.0.0.1" : wire::host_name(), domain);
+  return settings;
+}
+
+}  // namespace
+
+Fleet::Fleet(std::shared_ptr<const Chain> chain, FleetOptions options, const StopFlag& stop, Endpoints endpoints,
+             std::unique_ptr<Evaluator> reference)
+    : chain_(std::move(chain)),
+      chain_bytes_(to_bytes(*chain_)),
+      options_(std::move(options)),
+      stop_(stop),
+      run_{wire::random_identity(), hash_of(chain_bytes_)},
+      dds_(std::move(endpoints)),
+      wake_(stop.on_raise([this] { dds_.waiter.wake(); })),
+      dispatcher_(settings_of(options_, dds_.domain)),
+      meanings_(*chain_),
+      reference_(std::move(reference)),
+      home_choice_(std::max(1U, std::thread::hardware_concurrency())) {}
+
+Fleet::~Fleet() {
+  local_.reset();  // while DDS still acknowledges what the workers say last
+}
+
+Result<std::unique_ptr<Fleet>> Fleet::open(std::shared_ptr<const Chain> chain, FleetOptions options,
+                                           const StopFlag& stop) {
+  auto reference = SerialEvaluator::make(chain, stop);
+  if (!reference) {
+    return tl::unexpected(reference.error());
+  }
+  auto endpoints = Endpoints::open(options.domain, options.interface, options.network);
+  if (!endpoints) {
+    return tl::unexpected(endpoints.error());
+  }
+  std::unique_ptr<Fleet> fleet(
+      new Fleet(std::move(chain), std::move(options), stop, std::move(*endpoints), std::move(*reference)));
+  if (auto ok = fleet->announce(); !ok) {
+    return tl::unexpected(ok.error());
+  }
+  if (fleet->options_.local_workers > 0) {
+    auto flags = fleet->options_.worker_flags;
+    flags.resize(fleet->options_.local_workers);
+    auto local = LocalWorkers::start(fleet->options_.worker_program, flags, fleet->domain());
+    if (!local) {
+      return tl::unexpected(local.error());
+    }
+    fleet->local_.emplace(std::move(*local));
+    const std::vector<pid_t> pids = fleet->local_->pids();
+    for (std::size_t place = 0; place < pids.size(); ++place) {
+      fleet->events_.emplace_back(ProcessStarted{place, pids[place]});
+    }
+  }
+  return fleet;
+}
+
+Result<void> Fleet::announce() {
+  wire::Control control{};
+  control.protocol = wire::kProtocolVersion;
+  control.run_id = run_.run_id;
+  wire::put_text(control.version, kVersion);
+  wire::put_text(control.host, wire::host_name());
+  control.pid = static_cast<std::uint32_t>(getpid());
+  control.chain = wire::to_wire(run_.chain);
+  control.chain_size = chain_bytes_.size();
+  control.golden = golden_checksum();
+  return dds_.control.write(control);
+}
+
+Result<void> Fleet::check_objectives(const Job& job) {
+  if (auto ok = check_job(job); !ok) {
+    return ok;
+  }
+  if (auto ok = check_solvable(job, chain_->states()); !ok) {
+    return ok;
+  }
+  if (job.objectives == checked_objectives_) {
+    return {};
+  }
+  for (const Objective& objective : job.objectives) {
+    if (const auto table = make_score_table(*chain_, objective); !table) {
+      return tl::unexpected(table.error());
+    }
+  }
+  checked_objectives_ = job.objectives;
+  return {};
+}
+
+bool Fleet::worth_seeking_repeats(const Job& job) const {
+  return job.method != Method::rollouts || tally_steps(job) >= kStepsWorthSeeking ||
+         dispatcher_.somebody_takes(EvaluationWork::class_of(job), kPaceWorthSeeking);
+}
+
+Result<RequestId> Fleet::submit(std::span<const Tree> trees, const Job& job) {
+  if (auto ok = check_objectives(job); !ok) {
+    return tl::unexpected(ok.error());
+  }
+  return submit(std::make_unique<EvaluationWork>(trees, job, worth_seeking_repeats(job),
+                                                 EvaluationWork::Here{chain_->vocabulary(), meanings_, *reference_}));
+}
+
+Result<std::optional<std::vector<Tally>>> Fleet::evaluate_at_home(std::span<const Tree> trees, const Job& job) {
+  if (!options_.may_stay_home || trees.empty()) {
+    return std::nullopt;
+  }
+  if (auto ok = check_objectives(job); !ok) {
+    return tl::unexpected(ok.error());
+  }
+  if (Clock::now() >= next_listening_at_home_) {
+    dispatcher_.needs_nobody();
+    if (auto ok = act(); !ok) {
+      return tl::unexpected(ok.error());
+    }
+    next_listening_at_home_ = Clock::now() + kListenAtHome;
+  }
+  const WorkClass work = EvaluationWork::class_of(job);
+  const auto units = static_cast<std::uint32_t>(trees.size());
+  auto way = home_choice_.way(work, units, dispatcher_.ready_lanes());
+  if (way == HomeChoice::Way::probe) {
+    const std::uint32_t some = std::min(units, HomeChoice::kProbe);
+    const auto begin = Clock::now();
+    if (auto tallies = reference_->evaluate(trees.first(some), job); !tallies) {
+      return tl::unexpected(tallies.error());
+    }
+    home_choice_.probed(work, some, Clock::now() - begin);
+    way = home_choice_.way(work, units, dispatcher_.ready_lanes());
+  }
+  if (way != HomeChoice::Way::home) {
+    return std::nullopt;
+  }
+  const std::uint64_t repeated = reference_->statistics().repeated;
+  const auto begin = Clock::now();
+  auto tallies = reference_->evaluate(trees, job);
+  if (!tallies) {
+    return tl::unexpected(tallies.error());
+  }
+  home_choice_.took_home(work, units, Clock::now() - begin);
+  statistics_.individuals += units;
+  statistics_.at_home += units;
+  statistics_.repeated += reference_->statistics().repeated - repeated;
+  return std::move(*tallies);
+}
+
+void Fleet::took_workers(std::size_t trees, const Job& job, std::chrono::nanoseconds elapsed) {
+  if (options_.may_stay_home && trees > 0) {
+    home_choice_.took_workers(EvaluationWork::class_of(job), static_cast<std::uint32_t>(trees), elapsed);
+  }
+}
+
+RequestId Fleet::submit(std::unique_ptr<RequestWork> work) {
+  if (works_.empty()) {
+    matching_changed_ = true;
+  }
+  const RequestId id = dispatcher_.open(work->terms(), Clock::now());
+  works_.emplace(id, std::move(work));
+  return id;
+}
+
+void Fleet::see_portions() {
+  for (auto& [id, work] : works_) {
+    if (dispatcher_.requests().at(id).sealed) {
+      continue;
+    }
+    if (!work->all_seen()) {
+      dispatcher_.add(id, work->see_portion());
+    }
+    if (work->all_seen()) {
+      dispatcher_.seal(id);
+    }
+  }
+}
+
+bool Fleet::done(RequestId id) const { return dispatcher_.done(id); }
+
+Fleet::Finished Fleet::take(RequestId id) {
+  auto [outcomes, repeated] = dispatcher_.take(id);
+  auto work = works_.extract(id);
+  return {std::move(work.mapped()), std::move(outcomes), repeated};
+}
+
+Fleet::Evaluated Fleet::take_tallies(RequestId id) {
+  Finished finished = take(id);
+  const auto& work = dynamic_cast<const EvaluationWork&>(*finished.work);
+  Evaluated evaluated{work.tallies(std::move(finished.outcomes)), finished.repeated + work.repeated()};
+  statistics_.individuals += evaluated.tallies.size();
+  statistics_.repeated += evaluated.repeated;
+  return evaluated;
+}
+
+void Fleet::abandon() {
+  dispatcher_.abandon();
+  works_.clear();
+  apart_.clear();
+}
+
+std::vector<pid_t> Fleet::ready_pids() const {
+  std::vector<pid_t> pids;
+  for (const auto& [id, worker] : dispatcher_.roster().all()) {
+    if (worker.ready()) {
+      pids.push_back(worker.pid);
+    }
+  }
+  return pids;
+}
+
+Result<void> Fleet::await_workers(std::size_t count) {
+  while (ready_pids().size() < count) {
+    if (auto ok = act(); !ok) {
+      return ok;
+    }
+    sleep();
+  }
+  return {};
+}
+
+DispatchStatistics Fleet::statistics() const {
+  DispatchStatistics statistics = dispatcher_.statistics();
+  statistics.individuals = statistics_.individuals;
+  statistics.repeated = statistics_.repeated;
+  statistics.sent_bytes = statistics_.sent_bytes;
+  statistics.at_home += statistics_.at_home;
+  return statistics;
+}
+
+Result<void> Fleet::act() {
+  if (stop_.raised()) {
+    return interrupted();
+  }
+  listen();
+  see_portions();
+  for (int step = 0; step < kMostSteps; ++step) {
+    std::vector<DispatchEvent> events = std::exchange(events_, {});
+    Actions actions = dispatcher_.step(events, Clock::now());
+    if (auto ok = perform(actions); !ok) {
+      return ok;
+    }
+    if (actions.failure) {
+      return tl::unexpected(in_words(*actions.failure));
+    }
+    wake_at_ = actions.wake_at;
+    if (events_.empty()) {
+      break;
+    }
+  }
+  onlookers_.show(dds_, run_, dispatcher_, Clock::now());
+  return {};
+}
+
+void Fleet::sleep() {
+  const bool all_seen =
+      std::all_of(works_.begin(), works_.end(), [](const auto& work) { return work.second->all_seen(); });
+  if (!all_seen || !events_.empty()) {
+    return;
+  }
+  std::chrono::nanoseconds time = std::max<std::chrono::nanoseconds>(wake_at_ - Clock::now(), 0ns);
+  if (settling_) {
+    time = std::min<std::chrono::nanoseconds>(time, kSettlingInterval);
+  }
+  matching_changed_ = dds_.waiter.wait(time);
+}
+
+Result<void> Fleet::perform(Actions& actions) {
+  for (const Action& action : actions.actions) {
+    if (auto ok = std::visit([this](const auto& wanted) { return perform(wanted); }, action); !ok) {
+      return ok;
+    }
+  }
+  return {};
+}
+
+Result<void> Fleet::perform(const OpenLink& action) {
+  auto link = Link::open(dds_.participant, dds_.waiter, action.worker);
+  if (!link) {
+    spdlog::error("cannot serve a worker: {}", link.error().message);
+    return {};
+  }
+  links_.insert_or_assign(action.worker, std::move(*link));
+  settling_ = true;
+  return {};
+}
+
+Result<void> Fleet::perform(const CloseLink& action) {
+  links_.erase(action.worker);
+  return {};
+}
+
+Result<void> Fleet::perform(const SendTask& action) {
+  const auto link = links_.find(action.worker);
+  if (link == links_.end()) {
+    events_.emplace_back(SendFailed{action.worker, action.batch.id, "nothing to write to it with"});
+    return {};
+  }
+  const RequestWork& work = *works_.at(action.batch.request);
+  const auto payload = work.encode(action.batch.first, action.batch.count);
+  if (auto ok = link->second.send_task(action.batch.id, work.terms().work.kind, payload, run_); !ok) {
+    events_.emplace_back(SendFailed{action.worker, action.batch.id, ok.error().message});
+    return {};
+  }
+  statistics_.sent_bytes += payload.size();
+  if (options_.batch_sent) {
+    options_.batch_sent(dispatcher_.roster().find(action.worker)->pid);
+  }
+  return {};
+}
+
+Result<void> Fleet::perform(const SendBlocks& action) {
+  if (const auto link = links_.find(action.worker); link != links_.end()) {
+    link->second.request_blocks(action.first, action.count);
+    link->second.send_blocks(chain_bytes_, run_);
+  }
+  return {};
+}
+
+Result<void> Fleet::perform(const Announce&) {
+  if (auto ok = announce(); !ok) {
+    spdlog::warn("{}", ok.error().message);
+  }
+  return {};
+}
+
+Result<void> Fleet::perform(const Compute& action) {
+  if (action.apart) {
+    return compute_apart(action);
+  }
+  const auto begin = Clock::now();
+  auto outcomes = works_.at(action.request)->compute(action.units);
+  if (!outcomes) {
+    return tl::unexpected(outcomes.error());
+  }
+  events_.emplace_back(Computed{action.id, Clock::now() - begin, std::move(*outcomes), {}});
+  return {};
+}
+
+Result<void> Fleet::compute_apart(const Compute& action) {
+  COPPICE_CHECK(action.units.size() == 1);
+  if (options_.worker_program.empty()) {
+    auto program = find_worker_program();
+    if (!program) {
+      return tl::unexpected(program.error());
+    }
+    options_.worker_program = std::move(*program);
+  }
+  const Unit unit{action.request, action.units.front()};
+  auto apart = Apart::start({.program = options_.worker_program,
+                             .unit = unit,
+                             .work = works_.at(unit.request)->terms().work.kind,
+                             .chain_bytes = chain_bytes_,
+                             .payload = works_.at(unit.request)->encode(unit.index, 1)},
+                            [this] { dds_.waiter.wake(); });
+  if (!apart) {
+    return tl::unexpected(apart.error());
+  }
+  apart_.emplace(action.id, std::move(*apart));
+  return {};
+}
+
+Result<void> Fleet::perform(const StartProcess& action) {
+  const auto pid = local_->start_again(action.place);
+  if (pid) {
+    events_.emplace_back(ProcessStarted{action.place, *pid});
+  } else {
+    events_.emplace_back(ProcessEnded{action.place, 0, false, pid.error().message});
+  }
+  return {};
+}
+
+Result<void> Fleet::perform(const Say& action) {
+  switch (action.level) {
+    case Say::Level::debug:
+      spdlog::debug("{}", action.text);
+      break;
+    case Say::Level::warn:
+      spdlog::warn("{}", action.text);
+      break;
+    case Say::Level::error:
+      spdlog::error("{}", action.text);
+      break;
+  }
+  return {};
+}
+
+Error Fleet::in_words(const Failure& failure) const {
+  Error error = failure.error;
+  if (failure.deadly) {
+    error.message += ": " + works_.at(failure.deadly->request)->in_words(failure.deadly->index);
+  }
+  return error;
+}
+
+}  // namespace coppice

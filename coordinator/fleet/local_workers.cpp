@@ -1,0 +1,160 @@
+#include "coordinator/fleet/local_workers.hpp"
+
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <fmt/format.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sstream>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+
+extern char** environ;
+
+namespace coppice {
+namespace {
+
+constexpr std::chrono::milliseconds kPatienceAtEnd{1500};
+constexpr std::chrono::milliseconds kReapInterval{2};
+constexpr int kFirstOfOurDescriptors = 3;
+
+std::string how_it_ended(int status) {
+  if (WIFSIGNALED(status)) {
+    return fmt::format("was killed by signal {}", WTERMSIG(status));
+  }
+  return fmt::format("exited with code {}", WEXITSTATUS(status));
+}
+
+}  // namespace
+
+Result<pid_t> LocalWorkers::spawn(const Flags& flags) const {
+  const std::string domain = std::to_string(domain_);
+  const std::string parent = std::to_string(getpid());
+  const std::string program = program_.string();
+  std::vector<const char*> arguments = {program.c_str(), "--coordinator", "127.0.0.1",   "--domain", domain.c_str(),
+                                        "--parent",      parent.c_str(),  "--log-level", "warn"};
+  for (const std::string& flag : flags) {
+    arguments.push_back(flag.c_str());
+  }
+  arguments.push_back(nullptr);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  // Our DDS sockets stay ours: a worker that outlives us must not keep the coordinator's port.
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addclosefrom_np(&actions, kFirstOfOurDescriptors);
+  pid_t pid = 0;
+  const int error =
+      posix_spawn(&pid, program.c_str(), &actions, &attributes, const_cast<char**>(arguments.data()), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) {
+    return failed(fmt::format("cannot start {}: {}", program, std::strerror(error)));
+  }
+  return pid;
+}
+
+Result<LocalWorkers> LocalWorkers::start(const std::filesystem::path& program, const std::vector<Flags>& flags,
+                                         std::uint32_t domain) {
+  LocalWorkers workers(program, domain);
+  for (const Flags& own : flags) {
+    const auto pid = workers.spawn(own);
+    if (!pid) {
+      return tl::unexpected(pid.error());
+    }
+    workers.workers_.push_back({.pid = *pid, .flags = own});
+  }
+  return workers;
+}
+
+LocalWorkers::LocalWorkers(LocalWorkers&& other) noexcept
+    : program_(std::move(other.program_)), domain_(other.domain_), workers_(std::move(other.workers_)) {
+  other.workers_.clear();
+}
+
+LocalWorkers::~LocalWorkers() {
+  for (const Worker& worker : workers_) {
+    if (worker.pid != 0) {
+      kill(worker.pid, SIGTERM);
+      kill(worker.pid, SIGCONT);  // a stopped process takes no SIGTERM
+    }
+  }
+  const auto end = std::chrono::steady_clock::now() + kPatienceAtEnd;
+  for (Worker& worker : workers_) {
+    while (worker.pid != 0) {
+      const pid_t reaped = waitpid(worker.pid, nullptr, WNOHANG);
+      if (reaped == worker.pid || (reaped < 0 && errno != EINTR)) {
+        worker.pid = 0;
+      } else if (std::chrono::steady_clock::now() > end) {
+        kill(worker.pid, SIGKILL);
+        waitpid(worker.pid, nullptr, 0);
+        worker.pid = 0;
+      } else {
+        std::this_thread::sleep_for(kReapInterval);
+      }
+    }
+  }
+}
+
+std::vector<LocalWorkers::Ended> LocalWorkers::reap() {
+  std::vector<Ended> ended;
+  for (std::size_t place = 0; place < workers_.size(); ++place) {
+    Worker& worker = workers_[place];
+    int status = 0;
+    if (worker.pid == 0 || waitpid(worker.pid, &status, WNOHANG) != worker.pid) {
+      continue;
+    }
+    ended.push_back({place, worker.pid, WIFEXITED(status) && WEXITSTATUS(status) == 0,
+                     fmt::format("worker process {} {}", worker.pid, how_it_ended(status))});
+    worker.pid = 0;
+  }
+  return ended;
+}
+
+Result<pid_t> LocalWorkers::start_again(std::size_t place) {
+  Worker& worker = workers_.at(place);
+  auto pid = spawn(worker.flags);
+  if (pid) {
+    worker.pid = *pid;
+  }
+  return pid;
+}
+
+std::vector<pid_t> LocalWorkers::pids() const {
+  std::vector<pid_t> pids;
+  for (const Worker& worker : workers_) {
+    if (worker.pid != 0) {
+      pids.push_back(worker.pid);
+    }
+  }
+  return pids;
+}
+
+Result<std::filesystem::path> find_worker_program() {
+  constexpr const char* kName = "coppice-worker";
+  std::vector<std::filesystem::path> places;
+  std::error_code ignored;
+  if (const auto self = std::filesystem::read_symlink("/proc/self/exe", ignored); !self.empty()) {
+    places.push_back(self.parent_path());
+  }
+  if (const char* path = std::getenv("PATH"); path != nullptr) {
+    std::istringstream directories(path);
+    for (std::string directory; std::getline(directories, directory, ':');) {
+      places.emplace_back(directory);
+    }
+  }
+  for (const auto& place : places) {
+    auto candidate = place / kName;
+    if (access(candidate.c_str(), X_OK) == 0) {
+      return candidate;
+    }
+  }
+  return failed(fmt::format("no {} beside this program or in PATH: name it with --worker-program", kName));
+}
+
+}  // namespace coppice
