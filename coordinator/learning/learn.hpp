@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/chain/chain.hpp"
 #include "common/error.hpp"
@@ -56,6 +57,14 @@ Result<void> check_settings(const LearnSettings& settings);
 // 1 <= episode <= settings.episodes + settings.greedy_episodes.
 double exploration(const LearnSettings& settings, std::uint64_t episode);
 
+// How learning went, as a person looks at it: means over groups of episodes that follow each other.
+inline constexpr std::uint64_t kCurvePoints = 200;
+struct LearningCurve {
+  std::uint64_t episodes_per_point = 1;
+  std::vector<double> reward;      // [points] per episode, as it was earned, exploration included
+  std::vector<double> collisions;  // [points] per episode
+};
+
 struct Learned {
   Chain chain;
   std::uint64_t steps = 0;       // taken in all
@@ -65,6 +74,7 @@ struct Learned {
   std::uint64_t collisions = 0;  // over all episodes
   std::uint64_t last_collision_episode = 0;
   std::uint64_t last_change_episode = 0;  // the last with a change of Q of kConvergedChange or more
+  LearningCurve curve = {};
 };
 
 // Called about every 100 ms at most, between episodes; returns false to stop.

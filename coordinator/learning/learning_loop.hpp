@@ -193,6 +193,10 @@ Result<Learned> LearningLoop<Simulator, kAlgorithm>::run(const LearnProgress& pr
   std::uint64_t last_change_episode = 0;
   double reward = 0.0;
   double largest_change = 0.0;
+  LearningCurve curve{
+      .episodes_per_point = (episodes + kCurvePoints - 1) / kCurvePoints, .reward = {}, .collisions = {}};
+  double point_reward = 0.0;
+  std::uint64_t point_collisions = 0;
   for (std::uint64_t k = 1; k <= episodes; ++k) {
     const double epsilon = exploration(settings_, k);
     const std::uint64_t explore_below =
@@ -204,6 +208,15 @@ Result<Learned> LearningLoop<Simulator, kAlgorithm>::run(const LearnProgress& pr
     last_change_episode = episode.largest_change >= kConvergedChange ? k : last_change_episode;
     reward += k >= rewards_from ? episode.reward : 0.0;
     largest_change = episode.largest_change;
+    point_reward += episode.reward;
+    point_collisions += episode.collisions;
+    if (const std::uint64_t rest = k % curve.episodes_per_point; rest == 0 || k == episodes) {
+      const auto of_point = static_cast<double>(rest == 0 ? curve.episodes_per_point : rest);
+      curve.reward.push_back(point_reward / of_point);
+      curve.collisions.push_back(static_cast<double>(point_collisions) / of_point);
+      point_reward = 0.0;
+      point_collisions = 0;
+    }
     if (k % kEpisodesPerClockRead == 0 && progress) {
       const auto now = Clock::now();
       if (now - reported >= kProgressEvery) {
@@ -226,7 +239,8 @@ Result<Learned> LearningLoop<Simulator, kAlgorithm>::run(const LearnProgress& pr
                  largest_change,
                  collisions,
                  last_collision_episode,
-                 last_change_episode};
+                 last_change_episode,
+                 std::move(curve)};
 }
 
 template <typename Simulator, Algorithm kAlgorithm>

@@ -7,6 +7,7 @@
 #include "common/chain/random.hpp"
 #include "common/check.hpp"
 #include "common/tree/tick.hpp"
+#include "coordinator/learning/external_walk.hpp"
 #include "coordinator/learning/room_map.hpp"
 #include "coordinator/learning/uav_room.hpp"
 #include "coordinator/learning/windy_grid.hpp"
@@ -105,6 +106,9 @@ Result<std::vector<EpisodeRecord>> simulate_in(const Simulator& simulator, const
 Result<std::vector<EpisodeRecord>> simulate(const World& world, const Chain& chain, const Tree* tree,
                                             const SimulateSettings& settings, const SimulateProgress& go_on,
                                             const SimulateWatch& watch) {
+  if (world.kind == WorldKind::outside) {
+    return simulate_outside(world.simulator, chain, tree, settings, go_on, watch);
+  }
   if (world.kind == WorldKind::windy) {
     return simulate_in(WindyGrid(), chain, tree, settings, go_on, watch);
   }

@@ -39,13 +39,16 @@ struct SimulatedStep {
   // [features] What is observed then. Of a step that ends the episode it is where the next one starts, as in the chain
   // (learning_loop.hpp).
   std::span<const std::uint8_t> after;
+  // `after` is where the task ended, in a chain that has states for that.
+  bool ended = false;
 };
 // Called behind every step. May be empty.
 using SimulateWatch = std::function<void(const SimulatedStep&)>;
 
 // Runs the tree, ticked on the true observation each step; with no action the agent holds still for the step (no
 // reward). Every episode has its own stream of random numbers, f(seed, episode), so two controllers meet the same luck
-// as far as their walks agree. [episodes] Errors: interrupted, when `go_on` said to stop. REQUIRES: chain's vocabulary
+// as far as their walks agree. [episodes] Errors: interrupted, when `go_on` said to stop; an outside world's simulator
+// (external_simulator.hpp). REQUIRES: chain's vocabulary
 // is the world's, check_tree(tree, vocabulary).
 Result<std::vector<EpisodeRecord>> simulate_tree(const World& world, const Chain& chain, const Tree& tree,
                                                  const SimulateSettings& settings, const SimulateProgress& go_on = {},

@@ -37,10 +37,10 @@ Result<std::string> read_room_file(const std::string& path) {
 
 Result<World> load_world(const std::string& name_or_path) {
   if (name_or_path == name_of(WorldKind::uav)) {
-    return World{WorldKind::uav, std::string(default_room())};
+    return World{WorldKind::uav, std::string(default_room()), {}, {}};
   }
   if (name_or_path == name_of(WorldKind::windy)) {
-    return World{WorldKind::windy, {}};
+    return World{WorldKind::windy, {}, {}, {}};
   }
   auto text = read_room_file(name_or_path);
   if (!text) {
@@ -55,13 +55,13 @@ Result<World> load_world(const std::string& name_or_path) {
 
 Result<World> make_world(const std::string& kind, const std::string& room) {
   if (kind == kNoWorld) {
-    return bad_input("a made-up chain has no world to simulate: expected a study of 'coppice learn'");
+    return bad_input("the study has no world to simulate: expected --simulator, or a study of 'coppice learn'");
   }
   if (kind == name_of(WorldKind::windy)) {
     if (!room.empty()) {
       return bad_input(fmt::format("world 'windy': a map of {} bytes: expected none", room.size()));
     }
-    return World{WorldKind::windy, {}};
+    return World{WorldKind::windy, {}, {}, {}};
   }
   if (kind != name_of(WorldKind::uav)) {
     return bad_input(fmt::format("world kind '{}': expected \"uav\" or \"windy\"", kind));
@@ -69,12 +69,21 @@ Result<World> make_world(const std::string& kind, const std::string& room) {
   if (auto map = parse_room(room); !map) {
     return tl::unexpected(map.error());
   }
-  return World{WorldKind::uav, room};
+  return World{WorldKind::uav, room, {}, {}};
 }
 
-std::string name_of(WorldKind kind) { return kind == WorldKind::uav ? "uav" : "windy"; }
+World outside_world(const std::string& simulator, const Vocabulary& vocabulary) {
+  return {WorldKind::outside, {}, simulator, vocabulary};
+}
+
+std::string name_of(WorldKind kind) {
+  return kind == WorldKind::uav ? "uav" : kind == WorldKind::windy ? "windy" : "simulator";
+}
 
 Vocabulary vocabulary_of(const World& world) {
+  if (world.kind == WorldKind::outside) {
+    return world.vocabulary;
+  }
   return world.kind == WorldKind::uav ? UavRoom::vocabulary() : WindyGrid::vocabulary();
 }
 

@@ -1,6 +1,7 @@
 // A world that an agent learns in, as data: which one and, for rooms, the map. A study keeps it, so that a tree
 // can be tried in the simulator long after the policy was learned. The simulators themselves are uav_room.hpp
-// and windy_grid.hpp; learn.hpp and simulate.hpp are what the rest of the coordinator calls.
+// and windy_grid.hpp, or a child process (external_simulator.hpp); learn.hpp and simulate.hpp are what the rest of the
+// coordinator calls.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +14,13 @@ namespace coppice {
 
 inline constexpr std::uint32_t kMaxEpisodeSteps = 1'000'000;
 
-enum class WorldKind : std::uint8_t { uav = 0, windy = 1 };
+enum class WorldKind : std::uint8_t { uav = 0, windy = 1, outside = 2 };
 
 struct World {
   WorldKind kind = WorldKind::uav;
-  std::string room;  // uav: the map as text (see uav_room.hpp); windy: empty
+  std::string room;            // uav: the map as text (see uav_room.hpp); else empty
+  std::string simulator = {};  // outside: the command of the problem's own simulator (external_simulator.hpp)
+  Vocabulary vocabulary = {};  // outside: what it is expected to speak
   bool operator==(const World&) const = default;
 };
 
@@ -29,6 +32,9 @@ inline constexpr const char* kNoWorld = "synthetic";
 
 // As load_world() for what a study holds: kind by name ("uav" or "windy") and room text.
 Result<World> make_world(const std::string& kind, const std::string& room);
+
+// A problem's own simulator. Nothing is started.
+World outside_world(const std::string& simulator, const Vocabulary& vocabulary);
 
 std::string name_of(WorldKind kind);
 Vocabulary vocabulary_of(const World& world);

@@ -1,7 +1,7 @@
 // What holds for every EvolveConfig that one of its readers accepted.
 #pragma once
 
-#include "coordinator/evolution/config.hpp"
+#include "coordinator/evolution/config_text.hpp"
 
 namespace coppice::fuzz {
 

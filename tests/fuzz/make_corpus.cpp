@@ -290,6 +290,15 @@ void write_chains(Folder& folder) {
   damaged("initial_state", after_vocabulary + 16, 12);
   damaged("feature_value", after_vocabulary + 20, 2);
   damaged("policy", good.size() - 12 * 9, 3);
+  const Bytes full = to_bytes(full_chain());
+  folder.write("full", full);
+  folder.write("bad_full_cut_short", {full.begin(), full.end() - 1});
+  Bytes other_format = full;
+  other_format.at(4) = 1;
+  folder.write("bad_full_called_plain", other_format);
+  Bytes collided = full;  // the last number of collisions
+  std::fill(collided.end() - 4, collided.end(), std::uint8_t{0xFF});
+  folder.write("bad_more_collisions_than_tries", collided);
   folder.write("bad_empty", {});
   folder.write("bad_cut_short", {good.begin(), good.end() - 1});
   folder.write("bad_header_only", {good.begin(), good.begin() + static_cast<std::ptrdiff_t>(after_vocabulary + 20)});

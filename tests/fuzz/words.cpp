@@ -53,4 +53,38 @@ Chain small_chain() {
   return std::move(*chain);
 }
 
+Chain full_chain() {
+  constexpr std::uint32_t kEnd = 11;
+  ChainParts parts = small_chain().parts();
+  Feature& x = parts.vocabulary.features[8];
+  x.scale = Scale::numbers;
+  x.numbers = {-9.5, -7, -5, -3, -1, 0, 0.25, 100, 1e6, 1e100};
+  Feature& y = parts.vocabulary.features[9];
+  y.scale = Scale::bins;
+  y.numbers = {-0.0419, 0.0, 0.0419};
+  parts.starts = {{1, 3}, {5, 1}, {8, 2}};
+  parts.no_action = {NoAction::Kind::named, ActionId{2}};
+  parts.look_alikes = true;
+  parts.terminals = {kEnd};
+  const std::size_t actions = parts.vocabulary.actions.size();
+  // The end is the last state: its rows are the last ones.
+  parts.successor.resize(parts.row_begin[kEnd * actions]);
+  parts.count.resize(parts.successor.size());
+  for (std::size_t row = kEnd * actions; row < (kEnd + 1) * actions; ++row) {
+    parts.successor.push_back(kEnd);
+    parts.count.push_back(1);
+    parts.row_begin[row + 1] = parts.successor.size();
+    parts.reward_sum[row] = 0.0;
+  }
+  for (std::size_t row = 0; row < parts.q.size(); ++row) {
+    const bool untried = parts.row_begin[row] == parts.row_begin[row + 1];
+    const bool chosen = index_of(parts.policy[row / actions]) == row % actions;
+    parts.forbidden.push_back(untried && !chosen ? 1 : 0);
+    parts.collisions.push_back(untried ? 0 : 1);
+  }
+  auto chain = Chain::make(std::move(parts));
+  COPPICE_CHECK(chain.has_value());
+  return std::move(*chain);
+}
+
 }  // namespace coppice::fuzz

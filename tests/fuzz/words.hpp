@@ -14,4 +14,7 @@ const Vocabulary& words();
 // A few states of words(), some pairs never tried.
 Chain small_chain();
 
+// The same with all that a chain can have: numbers and bins, several starts, an end, lacking actions, collisions.
+Chain full_chain();
+
 }  // namespace coppice::fuzz

@@ -9,8 +9,8 @@ namespace {
 
 constexpr std::uint32_t kUp = 0;
 constexpr std::uint32_t kDown = 1;
-constexpr std::uint32_t kLeft = 2;
-constexpr std::uint32_t kRight = 3;
+constexpr std::uint32_t kGridLeft = 2;
+constexpr std::uint32_t kGridRight = 3;
 
 class WindyGridTest : public ::testing::Test {
  protected:
@@ -28,18 +28,18 @@ class WindyGridTest : public ::testing::Test {
 TEST_F(WindyGridTest, MovesPlainlyWithoutWind) {
   go(kUp);
   EXPECT_EQ(grid_.place(), (WindyGrid::Place{0, 2}));
-  go(kRight);
+  go(kGridRight);
   EXPECT_EQ(grid_.place(), (WindyGrid::Place{1, 2}));
   go(kDown, 2);
   EXPECT_EQ(grid_.place(), (WindyGrid::Place{1, 4}));
-  go(kLeft);
+  go(kGridLeft);
   EXPECT_EQ(grid_.place(), (WindyGrid::Place{0, 4}));
 }
 
 TEST_F(WindyGridTest, IsBlownUpByTheWindOfTheColumnThatItLeaves) {
-  go(kRight, 3);
+  go(kGridRight, 3);
   EXPECT_EQ(grid_.place(), (WindyGrid::Place{3, 3}));
-  go(kRight);
+  go(kGridRight);
   EXPECT_EQ(grid_.place(), (WindyGrid::Place{4, 2}));
   go(kDown);
   EXPECT_EQ(grid_.place(), (WindyGrid::Place{4, 2}));
@@ -48,22 +48,22 @@ TEST_F(WindyGridTest, IsBlownUpByTheWindOfTheColumnThatItLeaves) {
 }
 
 TEST_F(WindyGridTest, StaysInTheGridAtTheUsualCost) {
-  EXPECT_EQ(go(kLeft).reward, -1.0);
+  EXPECT_EQ(go(kGridLeft).reward, -1.0);
   EXPECT_EQ(grid_.place(), WindyGrid::kStart);
   EXPECT_FALSE(go(kDown, 10).collided);
   EXPECT_EQ(grid_.place(), (WindyGrid::Place{0, 7}));
   EXPECT_EQ(go(kUp, 10).reward, -1.0);
   EXPECT_EQ(grid_.place(), (WindyGrid::Place{0, 0}));
-  go(kRight, 12);
+  go(kGridRight, 12);
   EXPECT_EQ(grid_.place(), (WindyGrid::Place{9, 0}));
 }
 
 TEST_F(WindyGridTest, EndsAtTheGoalWithTheGoalsReward) {
-  go(kRight, 9);
+  go(kGridRight, 9);
   go(kDown, 4);
-  go(kLeft);
+  go(kGridLeft);
   EXPECT_EQ(grid_.place(), (WindyGrid::Place{8, 4}));
-  const Outcome outcome = go(kLeft);
+  const Outcome outcome = go(kGridLeft);
   EXPECT_EQ(grid_.place(), WindyGrid::kGoal);
   EXPECT_TRUE(outcome.ended);
   EXPECT_EQ(outcome.reward, 9.0);

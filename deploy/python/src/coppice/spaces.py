@@ -1,0 +1,168 @@
+"""What an environment observes and does, as names and numbers: the features and actions of a coppice problem.
+
+Gymnasium is only duck-typed here (`n`, `nvec`, `shape`, `spaces`), so that importing this package needs NumPy alone.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from coppice.errors import CoppiceError
+
+MAX_FEATURES = 64
+MAX_ACTIONS = 254
+
+# What the environments that come with Gymnasium observe and do (their documentation); others are numbered.
+KNOWN_FEATURES: dict[str, list[str]] = {
+    "CartPole": ["cart_position", "cart_velocity", "pole_angle", "pole_velocity"],
+    "MountainCar": ["position", "velocity"],
+    "MountainCarContinuous": ["position", "velocity"],
+    "Acrobot": ["cos_1", "sin_1", "cos_2", "sin_2", "velocity_1", "velocity_2"],
+    "LunarLander": ["x", "y", "vx", "vy", "angle", "spin", "left_leg", "right_leg"],
+    "Blackjack": ["player", "dealer", "usable_ace"],
+    "FrozenLake": ["row", "column"],
+    "FrozenLake8x8": ["row", "column"],
+    "CliffWalking": ["row", "column"],
+    "Taxi": ["row", "column", "passenger", "destination"],
+}
+KNOWN_ACTIONS: dict[str, list[str]] = {
+    "CartPole": ["left", "right"],
+    "MountainCar": ["left", "coast", "right"],
+    "Acrobot": ["negative", "none_applied", "positive"],
+    "LunarLander": ["coast", "left", "main", "right"],
+    "Blackjack": ["stick", "hit"],
+    "FrozenLake": ["left", "down", "right", "up"],
+    "FrozenLake8x8": ["left", "down", "right", "up"],
+    "CliffWalking": ["up", "right", "down", "left"],
+    "Taxi": ["south", "north", "east", "west", "pick_up", "drop_off"],
+}
+KNOWN_LABELS: dict[str, dict[str, dict[str, Any]]] = {
+    "CartPole": {
+        "cart_position": {"label": "position of the cart", "unit": "m"},
+        "cart_velocity": {"label": "velocity of the cart", "unit": "m/s"},
+        "pole_angle": {"label": "angle of the pole", "unit": "rad"},
+        "pole_velocity": {"label": "angular velocity of the pole", "unit": "rad/s"},
+    },
+    "Taxi": {
+        "passenger": {"values": {"0": "red", "1": "green", "2": "yellow", "3": "blue", "4": "in the taxi"}},
+        "destination": {"values": {"0": "red", "1": "green", "2": "yellow", "3": "blue"}},
+    },
+    "Blackjack": {"usable_ace": {"values": {"0": "no", "1": "yes"}}},
+}
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Names of what is observed and done. `decode` turns an observation into one number per feature."""
+
+    title: str
+    features: list[dict[str, Any]]  # name, and where known label, unit, values
+    actions: list[str]
+    shape: tuple[int, ...] = field(default=())  # of a grid behind one discrete number; empty: none
+
+    @property
+    def feature_names(self) -> list[str]:
+        return [str(feature["name"]) for feature in self.features]
+
+    def decode(self, observation: Any) -> list[float]:
+        """One number per feature."""
+        values = flat(observation)
+        if self.shape and len(values) == 1:
+            values = [float(i) for i in np.unravel_index(int(values[0]), self.shape)]
+        if len(values) != len(self.features):
+            raise CoppiceError(
+                f"{self.title}: an observation has {len(values)} numbers: expected {len(self.features)}, "
+                f"one for each of {', '.join(self.feature_names)}"
+            )
+        return values
+
+
+def identifier(name: str) -> str:
+    """The name with whatever a coppice name may not hold replaced by '_'."""
+    cleaned = re.sub(r"[^A-Za-z0-9_]", "_", name) or "_"
+    if cleaned[0].isdigit():
+        cleaned = "_" + cleaned
+    if cleaned in ("sequence", "selector"):
+        cleaned += "_"
+    return cleaned[:64]
+
+
+def flat(observation: Any) -> list[float]:
+    """The numbers of an observation: arrays row by row, mappings by sorted key, as Gymnasium orders its Dict spaces."""
+    if isinstance(observation, Mapping):
+        return [number for key in sorted(observation) for number in flat(observation[key])]
+    if isinstance(observation, (tuple, list)):
+        return [number for each in observation for number in flat(each)]
+    array = np.asarray(observation)
+    if array.dtype.kind not in "biuf":
+        raise CoppiceError(f"an observation holds {array.dtype}: expected numbers")
+    return [float(number) for number in array.reshape(-1)]
+
+
+def _names_of_space(space: Any, prefix: str) -> list[str]:
+    spaces = getattr(space, "spaces", None)
+    if isinstance(spaces, Mapping):
+        return [n for key in sorted(spaces) for n in _names_of_space(spaces[key], _joined(prefix, str(key)))]
+    if isinstance(spaces, Sequence):
+        return [n for i, part in enumerate(spaces) for n in _names_of_space(part, _joined(prefix, str(i)))]
+    shape = getattr(space, "shape", None) or ()
+    size = int(np.prod(shape)) if shape else 1
+    if size == 1:
+        return [prefix or "state"]
+    return [_joined(prefix or "x", str(i)) for i in range(size)]
+
+
+def _joined(prefix: str, name: str) -> str:
+    return f"{prefix}_{name}" if prefix else name
+
+
+def _grid_shape(env: Any, family: str) -> tuple[int, ...]:
+    """How a discrete state of a toy-text environment is made up; empty: it is one number."""
+    inner = getattr(env, "unwrapped", env)
+    if family == "Taxi":
+        return (5, 5, 5, 4)
+    if hasattr(inner, "nrow") and hasattr(inner, "ncol"):
+        return (int(inner.nrow), int(inner.ncol))
+    if family.startswith("CliffWalking") and hasattr(inner, "shape"):
+        return tuple(int(n) for n in inner.shape)
+    return ()
+
+
+def problem_of(
+    env: Any, features: Sequence[str] | None = None, actions: Sequence[str] | None = None
+) -> Problem:
+    """The problem that a Gymnasium environment is. Names that are not given come from what is known of the environment,
+    else they are made up: x_0, x_1, ..., a_0, a_1, ..."""
+    count = getattr(env.action_space, "n", None)
+    if count is None:
+        raise CoppiceError(f"{env}: its actions are {env.action_space}: expected a Discrete space")
+    if int(getattr(env.action_space, "start", 0)) != 0:
+        raise CoppiceError(f"{env}: its actions start at {env.action_space.start}: expected 0")
+    title = env.spec.id if getattr(env, "spec", None) is not None else type(getattr(env, "unwrapped", env)).__name__
+    family = re.sub(r"-v\d+$", "", title.split("/")[-1])
+    shape = _grid_shape(env, family)
+    found = _names_of_space(env.observation_space, "")
+    if shape and len(found) == 1:
+        found = [f"x_{i}" for i in range(len(shape))]
+    known = KNOWN_FEATURES.get(family, [])
+    names = list(features) if features is not None else (known if len(known) == len(found) else found)
+    known_actions = KNOWN_ACTIONS.get(family, [])
+    if actions is None:
+        actions = known_actions if len(known_actions) == int(count) else [f"a_{i}" for i in range(int(count))]
+    names = [identifier(name) for name in names]
+    action_names = [identifier(name) for name in actions]
+    for what, given, wanted, most in (
+        ("features", names, len(found), MAX_FEATURES),
+        ("actions", action_names, int(count), MAX_ACTIONS),
+    ):
+        if len(given) != wanted or len(given) > most:
+            raise CoppiceError(f"{title}: {len(given)} names of {what}: expected {wanted}, and at most {most}")
+        if len(set(given)) != len(given):
+            raise CoppiceError(f"{title}: {what} {', '.join(given)}: expected names that differ")
+    labels = KNOWN_LABELS.get(family, {}) if features is None else {}
+    return Problem(title, [{"name": n, **labels.get(n, {})} for n in names], action_names, shape)
