@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "coordinator/evolution/config.hpp"
-#include "coordinator/evolution/config_keys.hpp"
+#include "common/evolution/config_keys.hpp"
+#include "coordinator/evolution/config_text.hpp"
 
 namespace coppice {
 namespace {

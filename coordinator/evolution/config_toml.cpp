@@ -7,8 +7,8 @@
 #include <system_error>
 #include <toml++/toml.h>
 
-#include "coordinator/evolution/config.hpp"
-#include "coordinator/evolution/config_keys.hpp"
+#include "common/evolution/config_keys.hpp"
+#include "coordinator/evolution/config_text.hpp"
 
 namespace coppice {
 namespace {
@@ -52,14 +52,15 @@ class TomlReader {
  public:
   TomlReader(const std::string& name, EvolveConfig& config) : name_(name), config_(config), keys_(keys_of(config)) {}
 
-  Result<void> read(const toml::table& root) {
+  // How many keys it set.
+  Result<std::size_t> read(const toml::table& root) {
     for (const auto& [key, node] : root) {
       auto ok = is_section(keys_, key.str()) ? read_section(key.str(), node) : read_value("", key, node);
       if (!ok) {
-        return ok;
+        return tl::unexpected(std::move(ok).error());
       }
     }
-    return {};
+    return keys_set_;
   }
 
  private:
@@ -88,6 +89,7 @@ class TomlReader {
       return at(key.source(), found.error());
     }
     auto ok = assign(**found, value_of(node));
+    ++keys_set_;
     return ok ? Result<void>() : at(node.source(), ok.error());
   }
 
@@ -96,6 +98,7 @@ class TomlReader {
     if (array == nullptr || (!array->empty() && !array->is_homogeneous(toml::node_type::table))) {
       return at(node.source(), {ErrorKind::bad_input, "fitness.rule: expected tables [[fitness.rule]]"});
     }
+    ++keys_set_;
     config_.fitness.rules.clear();
     for (const toml::node& element : *array) {
       RuleConfig rule;
@@ -142,7 +145,27 @@ class TomlReader {
   const std::string& name_;
   EvolveConfig& config_;
   std::vector<ConfigKey> keys_;
+  std::size_t keys_set_ = 0;
 };
+
+// How many keys it set; with an error `config` stays as it was.
+Result<std::size_t> read_text(std::string_view toml, const std::string& name, EvolveConfig& config) {
+  if (toml.size() > kMaxConfigBytes) {
+    return bad_input(fmt::format("{}: {} bytes: expected at most {}", name, toml.size(), kMaxConfigBytes));
+  }
+  try {
+    const toml::table root = toml::parse(toml, name);
+    EvolveConfig changed = config;
+    Result<std::size_t> keys_set = TomlReader(name, changed).read(root);
+    if (keys_set) {
+      config = std::move(changed);
+    }
+    return keys_set;
+  } catch (const toml::parse_error& error) {
+    return bad_input(fmt::format("{}: line {}, column {}: {}", name, error.source().begin.line,
+                                 error.source().begin.column, error.description()));
+  }
+}
 
 ConfigValue value_of(std::string_view text) {
   const char* end = text.data() + text.size();
@@ -166,21 +189,7 @@ ConfigValue value_of(std::string_view text) {
 }  // namespace
 
 Result<void> read_config(std::string_view toml, const std::string& name, EvolveConfig& config) {
-  if (toml.size() > kMaxConfigBytes) {
-    return bad_input(fmt::format("{}: {} bytes: expected at most {}", name, toml.size(), kMaxConfigBytes));
-  }
-  try {
-    const toml::table root = toml::parse(toml, name);
-    EvolveConfig changed = config;
-    if (auto ok = TomlReader(name, changed).read(root); !ok) {
-      return ok;
-    }
-    config = std::move(changed);
-    return {};
-  } catch (const toml::parse_error& error) {
-    return bad_input(fmt::format("{}: line {}, column {}: {}", name, error.source().begin.line,
-                                 error.source().begin.column, error.description()));
-  }
+  return read_text(toml, name, config).map([](std::size_t) {});
 }
 
 Result<void> load_config(const std::string& path, EvolveConfig& config) {
@@ -194,7 +203,14 @@ Result<void> load_config(const std::string& path, EvolveConfig& config) {
   if (file.bad() || (text.empty() && !file.eof())) {
     return bad_input(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
   }
-  return read_config(text, path, config);
+  const Result<std::size_t> keys_set = read_text(text, path, config);
+  if (!keys_set) {
+    return tl::unexpected(keys_set.error());
+  }
+  if (*keys_set == 0) {  // another file by mistake, or one that is still to be written
+    return bad_input(fmt::format("{}: sets no key: expected at least one, such as ga.population = 200", path));
+  }
+  return {};
 }
 
 Result<void> assign_text(std::string_view name, std::string_view value, EvolveConfig& config) {

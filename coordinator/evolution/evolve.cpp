@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <fmt/format.h>
+#include <numeric>
 
-#include "common/check.hpp"
-#include "coordinator/evolution/breeding.hpp"
-#include "coordinator/evolution/evaluated.hpp"
-#include "coordinator/evolution/front_search.hpp"
-#include "coordinator/evolution/population.hpp"
-#include "coordinator/evolution/scalar_fitness.hpp"
-#include "coordinator/evolution/selection.hpp"
+#include "common/evolution/deme_search.hpp"
+#include "common/evolution/migration.hpp"
+#include "coordinator/evolution/config_text.hpp"
+#include "coordinator/evolution/deme_evolution.hpp"
+#include "coordinator/evolution/final_choice.hpp"
 
 namespace coppice {
 namespace {
@@ -19,91 +18,117 @@ using Clock = std::chrono::steady_clock;
 
 class Evolution {
  public:
-  Evolution(const Chain& chain, const EvolveConfig& config, ScalarFitness fitness, Evaluator& evaluator,
-            const EvolveHooks& hooks)
+  Evolution(const Chain& chain, const EvolveConfig& config, FinalChoice choice, std::unique_ptr<DemeSearch> search,
+            Evaluator& evaluator, const EvolveHooks& hooks)
       : chain_(chain),
         config_(config),
-        fitness_(std::move(fitness)),
-        breeding_(chain.vocabulary(), config.ga.shape()),
+        choice_(std::move(choice)),
+        search_(std::move(search)),
         evaluator_(evaluator),
         hooks_(hooks) {}
 
   Result<Evolved> run(std::optional<Checkpoint> start) {
     if (start) {
-      if (auto ok = check_checkpoint(*start, config_.ga, breeding_); !ok) {
+      if (auto ok = go_on_from(std::move(*start)); !ok) {
         return tl::unexpected(ok.error());
       }
-      done_ = start->generation + 1;
-      reached_ = std::move(*start);
     }
     while (done_ < config_.ga.generations) {
-      if (auto ok = run_generation(done_); !ok) {
+      if (auto ok = run_generation(); !ok) {
         return best_so_far(ok.error());
       }
     }
-    return best_of_all();
+    const Deme deme = search_->deme();
+    const Reached reached{done_, hall_, deme.archive};
+    auto tallies = evaluate(choice_.finalists(reached), choice_.job());
+    return tallies ? choice_.answer(reached, std::move(*tallies)) : best_so_far(tallies.error());
   }
 
  private:
-  Result<void> run_generation(std::uint32_t generation) {
-    const Clock::time_point begin = Clock::now();
-    auto population = evaluate(breed(generation), generation, config_, fitness_, evaluator_);
+  // Measures everything anew: the samples are the same, so are the numbers.
+  Result<void> go_on_from(Checkpoint start) {
+    if (auto ok = check_checkpoint(start, config_, Breeding(chain_.vocabulary(), config_.ga.shape())); !ok) {
+      return ok;
+    }
+    const Job job = search_->job(start.generation);
+    auto population = evaluate(start.population, job);
     if (!population) {
       return tl::unexpected(population.error());
     }
-    GenerationRecord record = statistics_of(*population, generation);
-    enter(record.best, reached_.hall_of_fame);
-    reached_.generation = generation;
-    reached_.population = std::move(population->trees);
-    reached_.fitness = std::move(population->fitness);
-    done_ = generation + 1;
+    auto archive = evaluate(start.archive, job);
+    if (!archive) {
+      return tl::unexpected(archive.error());
+    }
+    done_ = start.generation + 1;
+    search_->take_up(0, {done_, individuals(std::move(start.population), std::move(*population)),
+                         individuals(std::move(start.archive), std::move(*archive))});
+    hall_ = std::move(start.hall_of_fame);
+    return {};
+  }
+
+  Result<void> run_generation() {
+    const Clock::time_point begin = Clock::now();
+    std::vector<Tree> trees = search_->breed();
+    auto tallies = evaluate(trees, search_->job(done_));
+    if (!tallies) {
+      return tl::unexpected(std::move(tallies).error());
+    }
+    GenerationRecord record = search_->settle(std::move(trees), std::move(*tallies));
+    record.meanings = hooks_.count_meanings ? search_->count_meanings() : 0;
+    enter(record.best, hall_);
+    ++done_;
     record.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-    return hooks_.generation_done ? hooks_.generation_done(record, reached_) : Result<void>();
+    return hooks_.generation_done ? hooks_.generation_done(record, checkpoint()) : Result<void>();
   }
 
-  std::vector<Tree> breed(std::uint32_t generation) const {
-    if (generation == 0) {
-      return first_population(breeding_, config_, chain_);
-    }
-    return next_population(breeding_, {reached_.population, reached_.fitness}, config_.ga, config_.seed, generation);
+  Result<std::vector<Tally>> evaluate(std::span<const Tree> trees, const Job& job) {
+    return trees.empty() ? std::vector<Tally>() : evaluator_.evaluate(trees, job);
   }
 
-  // All champions on one sample that none of them was chosen by.
-  Result<Evolved> best_of_all() {
-    std::vector<Tree> trees;
-    for (const Champion& champion : reached_.hall_of_fame) {
-      trees.push_back(champion.tree);
+  static std::vector<Individual> individuals(std::vector<Tree> trees, std::vector<Tally> tallies) {
+    std::vector<Individual> result;
+    for (std::size_t i = 0; i < trees.size(); ++i) {
+      result.push_back({std::move(trees[i]), std::move(tallies[i])});
     }
-    const auto champions = evaluate(std::move(trees), kFinalGeneration, config_, fitness_, evaluator_);
-    if (!champions) {
-      return best_so_far(champions.error());
+    return result;
+  }
+
+  Checkpoint checkpoint() const {
+    Checkpoint checkpoint{.generation = done_ - 1, .population = {}, .fitness = {}, .hall_of_fame = hall_};
+    Deme deme = search_->deme();
+    for (Individual& individual : deme.population) {
+      checkpoint.population.push_back(std::move(individual.tree));
+      checkpoint.fitness.push_back(choice_.fitness_of(individual.tally));
     }
-    const std::size_t best = champions->best();
-    const std::uint32_t first_led = reached_.hall_of_fame[best].generation;
-    return Evolved{champions->champion(best, first_led), champions->tallies[best].steps, done_, false};
+    for (Individual& member : deme.archive) {
+      checkpoint.archive.push_back(std::move(member.tree));
+    }
+    return checkpoint;
   }
 
   // After an interruption: what there is. Any other error goes to the caller.
   Result<Evolved> best_so_far(const Error& error) const {
-    if (error.kind != ErrorKind::interrupted || reached_.hall_of_fame.empty()) {
+    if (error.kind != ErrorKind::interrupted || hall_.empty()) {
       return tl::unexpected(error);
     }
-    return Evolved{best_on_record(reached_.hall_of_fame), 0, done_, true};
+    const Deme deme = search_->deme();
+    return choice_.interrupted({done_, hall_, deme.archive});
   }
 
   const Chain& chain_;
   const EvolveConfig& config_;
-  ScalarFitness fitness_;
-  Breeding breeding_;
+  FinalChoice choice_;
+  std::unique_ptr<DemeSearch> search_;
   Evaluator& evaluator_;
   const EvolveHooks& hooks_;
-  Checkpoint reached_;
+  HallOfFame hall_;
   std::uint32_t done_ = 0;  // generations
 };
 
 }  // namespace
 
-Result<void> check_checkpoint(const Checkpoint& start, const GaConfig& ga, const Breeding& breeding) {
+Result<void> check_checkpoint(const Checkpoint& start, const EvolveConfig& config, const Breeding& breeding) {
+  const GaConfig& ga = config.ga;
   if (start.generation >= ga.generations || start.population.size() != ga.population ||
       start.fitness.size() != start.population.size() || start.hall_of_fame.empty()) {
     return bad_input(
@@ -111,6 +136,15 @@ Result<void> check_checkpoint(const Checkpoint& start, const GaConfig& ga, const
                     "generation below {}, {} individuals and fitness values, and a champion",
                     start.generation, start.population.size(), start.fitness.size(), start.hall_of_fame.size(),
                     ga.generations, ga.population));
+  }
+  const bool apart = ga.demes > 1;
+  if (start.kept.size() != (apart ? ga.demes : 0) ||
+      (apart && std::accumulate(start.kept.begin(), start.kept.end(), std::size_t{0}) != start.archive.size()) ||
+      (apart && start.generation + 1 != epoch_end(ga, start.generation / epoch_length(ga)))) {
+    return bad_input(
+        fmt::format("checkpoint of generation {} with the archives of {} demes, {} trees in all: expected the "
+                    "last generation of an epoch, and {} demes",
+                    start.generation, start.kept.size(), start.archive.size(), apart ? ga.demes : 0));
   }
   const auto fits = [&](const Tree& tree) { return breeding.within_limits(tree); };
   if (!std::all_of(start.population.begin(), start.population.end(), fits) ||
@@ -123,37 +157,23 @@ Result<void> check_checkpoint(const Checkpoint& start, const GaConfig& ga, const
   return {};
 }
 
-void enter(const Champion& champion, HallOfFame& hall) {
-  const auto known =
-      std::find_if(hall.begin(), hall.end(), [&](const Champion& other) { return other.tree == champion.tree; });
-  if (known == hall.end()) {
-    hall.push_back(champion);
-  } else if (champion.fitness > known->fitness) {
-    known->fitness = champion.fitness;
-    known->agreement = champion.agreement;
-  }
-}
-
-const Champion& best_on_record(const HallOfFame& hall) {
-  COPPICE_CHECK(!hall.empty());
-  return *std::min_element(hall.begin(), hall.end(), [](const Champion& a, const Champion& b) {
-    return a.fitness != b.fitness ? a.fitness > b.fitness : a.tree.size() < b.tree.size();
-  });
-}
-
 Result<Evolved> evolve(const Chain& chain, const EvolveConfig& config, Evaluator& evaluator,
                        std::optional<Checkpoint> start, const EvolveHooks& hooks) {
   if (auto ok = check_config(config, chain.vocabulary()); !ok) {
     return tl::unexpected(ok.error());
   }
-  if (config.ga.search == Search::front) {
-    return search_front(chain, config, evaluator, std::move(start), hooks);
+  if (config.ga.demes > 1 || hooks.whole) {
+    return evolve_demes(chain, config, evaluator, std::move(start), hooks);
   }
-  auto fitness = ScalarFitness::make(chain, config.fitness);
-  if (!fitness) {
-    return tl::unexpected(fitness.error());
+  auto choice = FinalChoice::make(chain, config);
+  if (!choice) {
+    return tl::unexpected(choice.error());
   }
-  return Evolution(chain, config, std::move(*fitness), evaluator, hooks).run(std::move(start));
+  auto search = DemeSearch::make(chain, config);
+  if (!search) {
+    return tl::unexpected(search.error());
+  }
+  return Evolution(chain, config, std::move(*choice), std::move(*search), evaluator, hooks).run(std::move(start));
 }
 
 }  // namespace coppice

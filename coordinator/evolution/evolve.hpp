@@ -7,63 +7,43 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/chain/chain.hpp"
 #include "common/error.hpp"
+#include "common/evolution/breeding.hpp"
+#include "common/evolution/champion.hpp"
+#include "common/evolution/config.hpp"
 #include "common/tree/tree.hpp"
 #include "coordinator/dispatch/evaluator.hpp"
-#include "coordinator/evolution/breeding.hpp"
-#include "coordinator/evolution/config.hpp"
 #include "coordinator/evolution/pick.hpp"
 
 namespace coppice {
 
-// The best individual of one generation, as it was measured there.
-struct Champion {
-  Tree tree{ActionId{0}};
-  std::uint32_t generation = 0;
-  double fitness = 0.0;    // scalar
-  double agreement = 0.0;  // matches / steps along the walks
-  bool operator==(const Champion&) const = default;
-};
-
-// One row of a run's statistics.
-struct GenerationRecord {
-  std::uint32_t generation = 0;  // from 0
-  Champion best;                 // highest fitness; ties: fewer nodes, then the lower slot
-  double mean_fitness = 0.0;
-  double mean_agreement = 0.0;
-  double mean_nodes = 0.0;
-  std::uint32_t distinct_trees = 0;
-  std::uint64_t evaluations = 0;  // individuals evaluated in this generation
-  double seconds = 0.0;           // wall time of this generation; the only field that a repetition does not repeat
-
-  std::size_t best_nodes() const { return best.tree.size(); }
-  bool operator==(const GenerationRecord&) const = default;
-};
-
-// The champions of all generations so far, distinct trees in order of first entry; a tree that led several
-// generations keeps its first generation and its highest fitness.
-using HallOfFame = std::vector<Champion>;
-void enter(const Champion& champion, HallOfFame& hall);
-// The highest fitness; ties: fewer nodes, then earlier. REQUIRES: hall is not empty.
-const Champion& best_on_record(const HallOfFame& hall);
-
 // Where an evolution stands after a generation was evaluated: all that is needed to go on.
 struct Checkpoint {
   std::uint32_t generation = 0;
-  std::vector<Tree> population;    // by slot, as evaluated in `generation`
-  std::vector<double> fitness;     // by slot
-  HallOfFame hall_of_fame;         // `generation` included
-  std::vector<Tree> archive = {};  // search front: the trees kept on the front
+  std::vector<Tree> population;        // by slot, as evaluated in `generation`
+  std::vector<double> fitness;         // by slot; the slots of one deme behind those of another
+  HallOfFame hall_of_fame;             // `generation` included
+  std::vector<Tree> archive = {};      // search front: the trees kept on the front, deme by deme
+  std::vector<std::size_t> kept = {};  // several demes: how many trees of the archive each has; else empty
   bool operator==(const Checkpoint&) const = default;
 };
 
+// Of the two functions one is called, on the thread of evolve(), before what comes next is bred; an error ends the
+// evolution: interrupted like an interrupted evaluation, any other is returned. Either may be empty.
 struct EvolveHooks {
-  // After each generation was evaluated, before the next is bred: saves the checkpoint, shows progress. An error ends
-  // the evolution: interrupted like an interrupted evaluation, any other is returned. May be empty.
+  // One deme: after each generation. Saves the checkpoint, shows progress.
   std::function<Result<void>(const GenerationRecord&, const Checkpoint&)> generation_done;
+  // Several demes: after each epoch that all of them have ended, with its generations in their order; the checkpoint is
+  // of the last of them.
+  std::function<Result<void>(std::span<const GenerationRecord>, const Checkpoint&)> epoch_done = {};
+  // One deme, too, as an epoch that lasts the whole run: wherever that runs, it is sent nothing on the way. For who has
+  // many runs and needs no checkpoints.
+  bool whole = false;
+  bool count_meanings = false;  // GenerationRecord::meanings
 };
 
 struct Evolved {
@@ -77,12 +57,13 @@ struct Evolved {
 };
 
 // Whether evolution of this configuration can go on from there.
-Result<void> check_checkpoint(const Checkpoint& start, const GaConfig& ga, const Breeding& breeding);
+Result<void> check_checkpoint(const Checkpoint& start, const EvolveConfig& config, const Breeding& breeding);
 
 // Evolves config.ga.generations generations, from the first or from after `start`. Fitness is sampled anew in every
 // generation, so a generation's best may owe it to luck: the answer is the champion that does best on one fixed,
 // larger sample (config.rollout.final_rollouts roll-outs, kFinalGeneration), or by what is computed
 // (config.rollout.final_method); ties: fewer nodes, then earlier.
+// With several demes (ga.demes) epochs run wherever the evaluator has them run; the result is the same anywhere.
 // A front search (ga.search) shares one sample among all generations (kFrontGeneration) and measures what it kept once
 // more on the final one: the front is what none other dominates there, the answer the one that front.pick chooses.
 // Errors: whatever the evaluator or a hook reports, except that `interrupted` ends the evolution with what there is,

@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "common/error.hpp"
+#include "common/evolution/measure.hpp"
 #include "common/tree/tree.hpp"
-#include "coordinator/evolution/measure.hpp"
 
 namespace coppice {
 

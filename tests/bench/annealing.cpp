@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include "common/chain/random.hpp"
+#include "common/evolution/breeding.hpp"
 #include "common/tree/action_table.hpp"
 #include "common/tree/text.hpp"
-#include "coordinator/evolution/breeding.hpp"
 #include "coordinator/study/study.hpp"
 
 namespace coppice {

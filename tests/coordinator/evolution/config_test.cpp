@@ -1,5 +1,3 @@
-#include "coordinator/evolution/config.hpp"
-
 #include <fstream>
 #include <gtest/gtest.h>
 #include <initializer_list>
@@ -8,7 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "coordinator/evolution/config_text.hpp"
+#include "coordinator/evolution/recipe.hpp"
 #include "tests/coordinator/evolution/small_world.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace coppice {
 namespace {
@@ -30,11 +31,15 @@ EvolveConfig unusual_config() {
                2,
                0,
                99,
+               98,
+               Form::guarded,
                Search::front,
                Simplification::lossless,
                Seeding::greedy,
                0.3,
                0.4,
+               0.45,
+               77,
                "(selector (sequence a=0 left) move); left"};
   config.rollout = {11,
                     12,
@@ -49,7 +54,8 @@ EvolveConfig unusual_config() {
                     0.987654321};
   config.fitness = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 1.1, 1.2,
                     1.3, 1.4, 5.0, 6.0, 0.7, 8.5, 0.9, {{{"a=0", "d<=2"}, 8, -4}, {{}, 1, 0}}};
-  config.front = {{kNodesMeasure, measure_of(ObjectiveKind::regret)}, 17, 3, 5, "best regret with nodes<=4"};
+  config.front = {
+      {kNodesMeasure, measure_of(ObjectiveKind::regret)}, 17, 3, 5, "best regret with nodes<=4", Prefer::coverage};
   return config;
 }
 
@@ -92,7 +98,7 @@ TEST(Config, TheRulesInTheExampleFileAreValidOnceUncommented) {
 }
 
 TEST(Config, TheRecipesForFrontsAreValid) {
-  for (const char* recipe : {"front.toml", "coverage.toml"}) {
+  for (const char* recipe : {"best.toml", "front.toml", "coverage.toml", "return.toml"}) {
     EvolveConfig config;
     const auto ok = load_config(std::string(COPPICE_SOURCE_DIR) + "/coordinator/evolution/" + recipe, config);
     ASSERT_TRUE(ok.has_value()) << ok.error().message;
@@ -100,6 +106,34 @@ TEST(Config, TheRecipesForFrontsAreValid) {
     const auto checked = check_config(config, small_vocabulary());
     EXPECT_TRUE(checked.has_value()) << recipe << ": " << checked.error().message;
   }
+}
+
+TEST(Config, ARecipeIsFoundByItsNameAndAFileByItsPath) {
+  for (const Recipe& recipe : recipes()) {
+    EvolveConfig by_name;
+    EvolveConfig by_path;
+    const auto found = load_recipe_or_file(std::string(recipe.name), by_name);
+    ASSERT_TRUE(found.has_value()) << found.error().message;
+    const auto loaded = load_recipe_or_file(
+        std::string(COPPICE_SOURCE_DIR) + "/coordinator/evolution/" + std::string(recipe.name) + ".toml", by_path);
+    ASSERT_TRUE(loaded.has_value()) << loaded.error().message;
+    EXPECT_EQ(by_name, by_path) << recipe.name;
+  }
+  EvolveConfig config;
+  const auto unknown = load_recipe_or_file("retrun", config);
+  ASSERT_FALSE(unknown.has_value());
+  EXPECT_NE(unknown.error().message.find("expected a file, or one of " + recipe_names()), std::string::npos);
+  EXPECT_EQ(config, EvolveConfig{});
+}
+
+TEST(Config, OnlyAFrontClimbs) {
+  EvolveConfig config;
+  config.ga.guided = 0.5;
+  const auto scalar = check_config(config, small_vocabulary());
+  ASSERT_FALSE(scalar.has_value());
+  EXPECT_EQ(scalar.error().message, "ga.guided is 0.5: expected 0 where ga.search is not \"front\"");
+  config.ga.search = Search::front;
+  EXPECT_TRUE(check_config(config, small_vocabulary()).has_value());
 }
 
 TEST(Config, AFrontRefusesWhatItCannotKeep) {
@@ -268,6 +302,22 @@ TEST(Config, AFileThatCannotBeReadIsNamed) {
     EXPECT_EQ(ok.error().kind, ErrorKind::bad_input);
     EXPECT_EQ(ok.error().message.rfind(path + ": cannot be read: ", 0), 0U) << ok.error().message;
   }
+}
+
+TEST(Config, AFileThatSetsNoKeyIsNoConfiguration) {
+  const testing::TemporaryFolder folder;
+  const std::string path = folder / "run.toml";
+  for (const char* text : {"", "# population = 200\n", "[ga]\n"}) {
+    std::ofstream(path) << text;
+    EvolveConfig config;
+    const auto ok = load_config(path, config);
+    ASSERT_FALSE(ok.has_value()) << text;
+    EXPECT_EQ(ok.error().kind, ErrorKind::bad_input);
+    EXPECT_EQ(ok.error().message, path + ": sets no key: expected at least one, such as ga.population = 200");
+  }
+  std::ofstream(path) << "[fitness]\nrule = []\n";
+  EvolveConfig config;
+  EXPECT_TRUE(load_config(path, config).has_value()) << "taking all rules away is a setting";
 }
 
 TEST(Config, SettingsChangeOneKey) {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "coordinator/evolution/breeding.hpp"
-#include "coordinator/evolution/scalar_fitness.hpp"
+#include "common/evolution/breeding.hpp"
+#include "common/evolution/scalar_fitness.hpp"
 #include "tests/coordinator/evolution/small_world.hpp"
 
 namespace coppice {
@@ -28,7 +28,7 @@ EvolveConfig small_config() {
   return config;
 }
 
-struct History {
+struct SavedHistory {
   std::vector<GenerationRecord> records;
   std::vector<Checkpoint> checkpoints;
 
@@ -44,7 +44,8 @@ struct History {
 
 class Evolve : public ::testing::Test {
  protected:
-  Result<Evolved> run(const EvolveConfig& config, History& history, std::optional<Checkpoint> start = std::nullopt) {
+  Result<Evolved> run(const EvolveConfig& config, SavedHistory& history,
+                      std::optional<Checkpoint> start = std::nullopt) {
     return evolve(chain_, config, evaluator_, std::move(start), history.hooks());
   }
 
@@ -54,12 +55,12 @@ class Evolve : public ::testing::Test {
 
 TEST_F(Evolve, ResumesFromAnyCheckpointToTheVerySameResult) {
   const EvolveConfig config = small_config();
-  History whole;
+  SavedHistory whole;
   const auto expected = run(config, whole);
   ASSERT_TRUE(expected.has_value()) << expected.error().message;
   ASSERT_EQ(whole.records.size(), config.ga.generations);
   for (std::size_t reached = 0; reached < whole.checkpoints.size(); ++reached) {
-    History rest;
+    SavedHistory rest;
     const auto resumed = run(config, rest, whole.checkpoints[reached]);
     ASSERT_TRUE(resumed.has_value());
     EXPECT_EQ(*resumed, *expected);
@@ -73,10 +74,10 @@ TEST_F(Evolve, ResumesFromAnyCheckpointToTheVerySameResult) {
 
 TEST_F(Evolve, AnotherSeedGivesAnotherEvolution) {
   EvolveConfig config = small_config();
-  History one;
+  SavedHistory one;
   ASSERT_TRUE(run(config, one).has_value());
   ++config.seed;
-  History two;
+  SavedHistory two;
   ASSERT_TRUE(run(config, two).has_value());
   EXPECT_NE(one.checkpoints.front().population, two.checkpoints.front().population);
 }
@@ -85,7 +86,7 @@ TEST_F(Evolve, AsksForEveryGenerationByItsNumberAndForTheChampionsInTheEnd) {
   EvolveConfig config = small_config();
   config.rollout.acting = Acting::mixed;
   config.rollout.policy_share = 0.25;
-  History history;
+  SavedHistory history;
   const auto evolved = run(config, history);
   ASSERT_TRUE(evolved.has_value());
   ASSERT_EQ(evaluator_.calls.size(), config.ga.generations + 1);
@@ -111,7 +112,7 @@ TEST_F(Evolve, AsksForEveryGenerationByItsNumberAndForTheChampionsInTheEnd) {
 
 TEST_F(Evolve, AnswersWithTheChampionThatDoesBestOnTheFinalSample) {
   const EvolveConfig config = small_config();
-  History history;
+  SavedHistory history;
   const auto evolved = run(config, history);
   ASSERT_TRUE(evolved.has_value());
   const auto fitness = ScalarFitness::make(chain_, config.fitness).value();
@@ -131,7 +132,7 @@ TEST_F(Evolve, AnswersWithTheChampionThatDoesBestOnTheFinalSample) {
 
 TEST_F(Evolve, RecordsWhatThePopulationIs) {
   const EvolveConfig config = small_config();
-  History history;
+  SavedHistory history;
   ASSERT_TRUE(run(config, history).has_value());
   for (std::size_t g = 0; g < history.records.size(); ++g) {
     const GenerationRecord& record = history.records[g];
@@ -160,7 +161,7 @@ TEST_F(Evolve, WithAnEliteAndNoChanceInTheObjectiveTheBestNeverFalls) {
   config.fitness.size_weight = 0.0;
   double gained = 0.0;
   for (config.seed = 1; config.seed <= 5; ++config.seed) {
-    History history;
+    SavedHistory history;
     const auto evolved = run(config, history);
     ASSERT_TRUE(evolved.has_value());
     for (std::size_t g = 1; g < history.records.size(); ++g) {
@@ -178,7 +179,7 @@ TEST_F(Evolve, FindsAPlantedPolicy) {
   config.ga.population = 100;
   double best = 0.0;
   for (config.seed = 1; config.seed <= 5 && best < 1.0; ++config.seed) {
-    History history;
+    SavedHistory history;
     const auto evolved = run(config, history);
     ASSERT_TRUE(evolved.has_value());
     best = std::max(best, evolved->best.agreement);
@@ -188,12 +189,12 @@ TEST_F(Evolve, FindsAPlantedPolicy) {
 
 TEST_F(Evolve, InterruptedKeepsTheBestOnRecordAndCanBeResumed) {
   const EvolveConfig config = small_config();
-  History whole;
+  SavedHistory whole;
   const auto expected = run(config, whole);
   for (const std::size_t stop_at : {std::size_t{1}, std::size_t{7}, std::size_t{12}}) {  // 12: the final evaluation
     WalkingEvaluator stopped(chain_);
     stopped.stop_at = stop_at;
-    History history;
+    SavedHistory history;
     const auto evolved = evolve(chain_, config, stopped, std::nullopt, history.hooks());
     ASSERT_TRUE(evolved.has_value());
     EXPECT_TRUE(evolved->interrupted);
@@ -206,7 +207,7 @@ TEST_F(Evolve, InterruptedKeepsTheBestOnRecordAndCanBeResumed) {
     }
     EXPECT_EQ(evolved->best.fitness, best);
 
-    History rest;
+    SavedHistory rest;
     const auto resumed = run(config, rest, history.checkpoints.back());
     ASSERT_TRUE(resumed.has_value());
     EXPECT_EQ(*resumed, *expected);
@@ -215,7 +216,7 @@ TEST_F(Evolve, InterruptedKeepsTheBestOnRecordAndCanBeResumed) {
 
 TEST_F(Evolve, InterruptedBeforeTheFirstGenerationHasNothingToKeep) {
   evaluator_.stop_at = 0;
-  History history;
+  SavedHistory history;
   const auto evolved = run(small_config(), history);
   ASSERT_FALSE(evolved.has_value());
   EXPECT_EQ(evolved.error().kind, ErrorKind::interrupted);
@@ -224,7 +225,7 @@ TEST_F(Evolve, InterruptedBeforeTheFirstGenerationHasNothingToKeep) {
 TEST_F(Evolve, AFailureOfTheEvaluatorEndsTheEvolution) {
   evaluator_.stop_at = 5;
   evaluator_.error = {ErrorKind::failed, "no worker for 60 s"};
-  History history;
+  SavedHistory history;
   const auto evolved = run(small_config(), history);
   ASSERT_FALSE(evolved.has_value());
   EXPECT_EQ(evolved.error().kind, ErrorKind::failed);
@@ -250,10 +251,10 @@ TEST_F(Evolve, AHookCanStopIt) {
 
 TEST_F(Evolve, RefusesACheckpointThatDoesNotFit) {
   const EvolveConfig config = small_config();
-  History history;
+  SavedHistory history;
   ASSERT_TRUE(run(config, history).has_value());
   const auto refused = [&](const EvolveConfig& changed, const Checkpoint& start) {
-    History none;
+    SavedHistory none;
     const auto evolved = run(changed, none, start);
     EXPECT_TRUE(none.records.empty());
     return !evolved.has_value() && evolved.error().kind == ErrorKind::bad_input;
@@ -289,7 +290,7 @@ TEST_F(Evolve, AnIndividualWithoutAResultRanksLastAndLeavesTheMeansAlone) {
   } evaluator;
   EvolveConfig config = small_config();
   config.ga.generations = 1;
-  History history;
+  SavedHistory history;
   const auto evolved = evolve(chain_, config, evaluator, std::nullopt, history.hooks());
   ASSERT_TRUE(evolved.has_value());
   EXPECT_DOUBLE_EQ(history.records[0].mean_fitness, 0.1);

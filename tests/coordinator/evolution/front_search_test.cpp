@@ -1,11 +1,11 @@
-#include "coordinator/evolution/front_search.hpp"
-
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <optional>
 #include <vector>
 
-#include "coordinator/evolution/dominance.hpp"
+#include "common/evolution/dominance.hpp"
+#include "common/tree/guard.hpp"
+#include "coordinator/evolution/evolve.hpp"
 #include "tests/coordinator/evolution/small_world.hpp"
 
 namespace coppice {
@@ -62,6 +62,27 @@ TEST_F(FrontSearchTest, ResumesFromAnyCheckpointToTheVerySameFront) {
     EXPECT_EQ(*resumed, *expected) << "from generation " << g;
     EXPECT_TRUE(std::equal(checkpoints_.begin(), checkpoints_.end(), whole.begin() + static_cast<std::ptrdiff_t>(g) + 1,
                            whole.end()));
+  }
+}
+
+TEST_F(FrontSearchTest, ThatClimbsResumesToTheVerySameFrontTooWithinItsLimits) {
+  EvolveConfig config = front_config();
+  config.ga.generations = 5;
+  config.ga.population = 12;
+  config.ga.guided = 0.7;
+  config.ga.max_conditions = 3;
+  config.ga.form = Form::guarded;
+  const auto expected = run(config);
+  ASSERT_TRUE(expected.has_value()) << expected.error().message;
+  for (const FrontMember& member : expected->front.members) {
+    EXPECT_TRUE(is_guarded(member.tree));
+    EXPECT_LE(*value_of(expected->front, member, kConditionsMeasure), 3.0);
+  }
+  const std::vector<Checkpoint> whole = checkpoints_;
+  for (const Checkpoint& from : whole) {
+    const auto resumed = run(config, from);
+    ASSERT_TRUE(resumed.has_value()) << resumed.error().message;
+    EXPECT_EQ(*resumed, *expected) << "from generation " << from.generation;
   }
 }
 
