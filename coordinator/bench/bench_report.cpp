@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "common/duration.hpp"
-#include "coordinator/report/counted.hpp"
-#include "coordinator/report/json_line.hpp"
+#include "coordinator/console/counted.hpp"
+#include "coordinator/console/json_line.hpp"
 
 namespace coppice {
 namespace {

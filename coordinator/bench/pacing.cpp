@@ -4,8 +4,8 @@
 
 #include "common/check.hpp"
 #include "coordinator/bench/workload.hpp"
-#include "coordinator/dispatch/remote_evaluator.hpp"
 #include "coordinator/dispatch/serial_evaluator.hpp"
+#include "coordinator/fleet/fleet_evaluator.hpp"
 
 namespace coppice {
 namespace {
@@ -34,7 +34,7 @@ struct Timed {
 };
 
 // Times one generation. Errors also when its tallies are not the serial ones.
-Result<Timed> time_generation(RemoteEvaluator& evaluator, Evaluator& serial, const Workload& workload,
+Result<Timed> time_generation(FleetEvaluator& evaluator, Evaluator& serial, const Workload& workload,
                               std::uint32_t generation) {
   const Job job = workload.job_of(generation);
   const auto expected = serial.evaluate(workload.trees, job);
@@ -63,12 +63,12 @@ Result<PacingRow> measure(const std::shared_ptr<const Chain>& chain, std::size_t
   row.ideal_seconds = ideal_seconds(workers, row.individuals, settings);
   const Workload workload = light_workload(*chain, row.individuals);
 
-  RemoteOptions options;
+  FleetOptions options;
   options.local_workers = workers;
   options.worker_program = settings.worker_program;
   options.worker_flags = flags_of(workers, settings);
   const Stopwatch coming;
-  auto evaluator = RemoteEvaluator::open(chain, std::move(options), stop);
+  auto evaluator = FleetEvaluator::open(chain, std::move(options), stop);
   if (!evaluator) {
     return tl::unexpected(evaluator.error());
   }

@@ -44,7 +44,7 @@ struct PacingRow {
   double gone_seconds = 0.0;  // until the last process has ended
 };
 
-// REQUIRES: slow_workers <= every number of workers. Errors: as RemoteEvaluator; failed: a remote tally differs.
+// REQUIRES: slow_workers <= every number of workers. Errors: as FleetEvaluator; failed: a remote tally differs.
 Result<std::vector<PacingRow>> measure_pacing(const std::shared_ptr<const Chain>& chain, const PacingSettings& settings,
                                               const StopFlag& stop, const std::function<void(const PacingRow&)>& done);
 

@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 #include <thread>
 
-#include "coordinator/dispatch/remote_echo.hpp"
-#include "coordinator/dispatch/remote_evaluator.hpp"
+#include "coordinator/bench/echo.hpp"
+#include "coordinator/console/counted.hpp"
 #include "coordinator/dispatch/serial_evaluator.hpp"
-#include "coordinator/report/counted.hpp"
+#include "coordinator/fleet/fleet_evaluator.hpp"
 
 namespace coppice {
 namespace {
@@ -15,8 +15,8 @@ namespace {
 // One team: the evaluator that uses it, and as many workers that only echo.
 struct Contender {
   Team team;
-  std::unique_ptr<RemoteEvaluator> evaluator;
-  std::unique_ptr<RemoteEcho> echo;
+  std::unique_ptr<FleetEvaluator> evaluator;
+  std::unique_ptr<Echo> echo;
 };
 
 // Of one contender and workload, one value a repetition.
@@ -33,7 +33,7 @@ Result<std::vector<Contender>> open_contenders(const std::shared_ptr<const Chain
                                                const ScalingSettings& settings, const StopFlag& stop) {
   std::vector<Contender> contenders;
   for (const Team& team : settings.teams) {
-    RemoteOptions options;
+    FleetOptions options;
     options.local_workers = team.workers;
     options.worker_program = settings.worker_program;
     LocalWorkers::Flags flags;
@@ -45,14 +45,14 @@ Result<std::vector<Contender>> open_contenders(const std::shared_ptr<const Chain
     flags.insert(flags.end(), {"--threads", std::to_string(team.threads)});
     options.worker_flags.assign(team.workers, flags);
     const wire::Network network = options.network;
-    auto evaluator = RemoteEvaluator::open(chain, std::move(options), stop);
+    auto evaluator = FleetEvaluator::open(chain, std::move(options), stop);
     if (!evaluator) {
       return tl::unexpected(evaluator.error());
     }
     if (auto ok = (*evaluator)->await_workers(team.workers); !ok) {
       return tl::unexpected(ok.error());
     }
-    auto echo = RemoteEcho::open(settings.worker_program, team.workers, stop, network, of_echoes);
+    auto echo = Echo::open(settings.worker_program, team.workers, stop, network, of_echoes);
     if (!echo) {
       return tl::unexpected(echo.error());
     }
@@ -193,9 +193,9 @@ class WorkloadMeasurement {
   // The same batches over the bare transport.
   Result<void> exchange(Contender& contender, Samples& sample) const {
     const std::uint64_t batches = std::max<std::uint64_t>(sample.traffic.batches, 1);
-    const RemoteEcho::Traffic traffic{.batches = std::max<std::uint64_t>(batches / workload_.generations, 1),
-                                      .task_bytes = sample.traffic.sent_bytes / batches,
-                                      .answer_bytes = sample.traffic.received_bytes / batches};
+    const Echo::Traffic traffic{.batches = std::max<std::uint64_t>(batches / workload_.generations, 1),
+                                .task_bytes = sample.traffic.sent_bytes / batches,
+                                .answer_bytes = sample.traffic.received_bytes / batches};
     const Stopwatch watch;
     for (std::uint32_t i = 0; i < workload_.generations; ++i) {
       if (auto ok = contender.echo->exchange(traffic); !ok) {

@@ -62,7 +62,7 @@ struct WorkloadScaling {
   std::vector<ScalingRow> rows;
 };
 
-// `done` is called after each workload. Errors: as RemoteEvaluator; failed: a remote tally differs from the serial one.
+// `done` is called after each workload. Errors: as FleetEvaluator; failed: a remote tally differs from the serial one.
 Result<std::vector<WorkloadScaling>> measure_scaling(const std::shared_ptr<const Chain>& chain,
                                                      const std::vector<Workload>& workloads,
                                                      const ScalingSettings& settings, const StopFlag& stop,

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "common/chain/chain_bytes.hpp"
-#include "coordinator/dispatch/remote_dispatch.hpp"
-#include "coordinator/dispatch/remote_echo.hpp"
+#include "coordinator/bench/echo.hpp"
+#include "coordinator/fleet/fleet.hpp"
 
 namespace coppice {
 namespace {
@@ -12,10 +12,10 @@ namespace {
 // From the worker's start until it holds the chain. What the coordinator does before is not part of it.
 Result<double> until_held(const std::shared_ptr<const Chain>& chain, const TransferSettings& settings,
                           const StopFlag& stop) {
-  RemoteOptions options;
+  FleetOptions options;
   options.local_workers = 1;
   options.worker_program = settings.worker_program;
-  auto dispatch = RemoteDispatch::open(chain, std::move(options), stop);
+  auto dispatch = Fleet::open(chain, std::move(options), stop);
   if (!dispatch) {
     return tl::unexpected(dispatch.error());
   }
@@ -52,13 +52,13 @@ Result<Transfer> measure_transfer(const std::shared_ptr<const Chain>& chain, con
   if (!tiny) {
     return tl::unexpected(tiny.error());
   }
-  auto echo = RemoteEcho::open(settings.worker_program, 1, stop);
+  auto echo = Echo::open(settings.worker_program, 1, stop);
   if (!echo) {
     return tl::unexpected(echo.error());
   }
   Transfer transfer;
   transfer.bytes = to_bytes(*chain).size();
-  const RemoteEcho::Traffic blocks = RemoteEcho::chain_traffic(transfer.bytes);
+  const Echo::Traffic blocks = Echo::chain_traffic(transfer.bytes);
   transfer.blocks = blocks.batches;
   std::vector<double> starts;
   std::vector<double> seconds;

@@ -27,7 +27,7 @@ struct Transfer {
   Spread share;             // bare / seconds, repetition by repetition: of the bare rate
 };
 
-// Errors: as RemoteEvaluator and RemoteEcho.
+// Errors: as FleetEvaluator and Echo.
 Result<Transfer> measure_transfer(const std::shared_ptr<const Chain>& chain, const TransferSettings& settings,
                                   const StopFlag& stop);
 

@@ -53,26 +53,41 @@ Result<std::size_t> append_sum(const Row& known, const Row& added, ChainParts& p
 }  // namespace
 
 Experience::Experience(const Chain& chain)
-    : chain_(chain), reward_sum_(chain.states() * chain.actions(), 0.0), counts_(chain.actions()) {
+    : chain_(chain),
+      states_(static_cast<std::uint32_t>(chain.states())),
+      reward_sum_(chain.states() * chain.actions(), 0.0),
+      counts_(chain.actions()) {
   state_of_.reserve(chain.states());
   for (std::uint32_t state = 0; state < chain.states(); ++state) {
-    state_of_.emplace(key_of(chain.features_of(state)), state);
+    if (!chain.is_terminal(state)) {
+      state_of_.emplace(key_of(chain.features_of(state)), state);
+    }
   }
 }
 
 std::uint32_t Experience::state_of(std::span<const std::uint8_t> observation) {
-  const auto [found, fresh] = state_of_.emplace(key_of(observation), static_cast<std::uint32_t>(state_of_.size()));
+  const auto [found, fresh] = state_of_.emplace(key_of(observation), states_);
   if (fresh) {
+    ++states_;
     new_features_.insert(new_features_.end(), observation.begin(), observation.end());
     reward_sum_.resize(reward_sum_.size() + chain_.actions(), 0.0);
   }
   return found->second;
 }
 
+std::uint32_t Experience::end_of(std::span<const std::uint8_t> observation) {
+  const std::vector<std::uint32_t>& ends = chain_.parts().terminals;
+  const auto alike = std::find_if(ends.begin(), ends.end(), [&](std::uint32_t state) {
+    const auto features = chain_.features_of(state);
+    return std::equal(features.begin(), features.end(), observation.begin(), observation.end());
+  });
+  return alike != ends.end() ? *alike : !ends.empty() ? ends.front() : state_of(observation);
+}
+
 void Experience::add(const SimulatedStep& step) {
   COPPICE_CHECK(step.action != kNoAction && index_of(step.action) < chain_.actions());
   const std::uint32_t state = state_of(step.before);
-  const std::uint32_t next = state_of(step.after);
+  const std::uint32_t next = step.ended ? end_of(step.after) : state_of(step.after);
   counts_.count(state, static_cast<std::uint32_t>(index_of(step.action)), next);
   reward_sum_[chain_.row(state, step.action)] += step.reward;
   ++steps_;
@@ -80,7 +95,7 @@ void Experience::add(const SimulatedStep& step) {
 
 Result<Extended> Experience::extended() const {
   const ChainParts& known = chain_.parts();
-  const std::size_t states = state_of_.size();
+  const std::size_t states = states_;
   const std::size_t known_rows = chain_.states() * chain_.actions();
   const std::size_t rows = states * chain_.actions();
   ChainParts added;
@@ -89,10 +104,14 @@ Result<Extended> Experience::extended() const {
   }
   ChainParts parts = known;
   parts.features.insert(parts.features.end(), new_features_.begin(), new_features_.end());
+  // A new state may look like one that ends episodes: what was observed there went on.
+  parts.look_alikes = parts.look_alikes || (!parts.terminals.empty() && states > chain_.states());
   parts.reward_sum.resize(rows, 0.0);
   parts.q.resize(rows, 0.0);
   parts.policy.resize(states, greedy_policy(std::vector<double>(chain_.actions(), 0.0), chain_.actions()).front());
   parts.visits.resize(states, 0);
+  parts.forbidden.resize(parts.forbidden.empty() ? 0 : rows, 0);
+  parts.collisions.resize(parts.collisions.empty() ? 0 : rows, 0);
   parts.row_begin = {0};
   parts.successor.clear();
   parts.count.clear();

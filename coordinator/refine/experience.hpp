@@ -51,11 +51,16 @@ class Experience {
 
  private:
   std::uint32_t state_of(std::span<const std::uint8_t> observation);
+  // The state that ends episodes there: the one that looks so, else the first.
+  std::uint32_t end_of(std::span<const std::uint8_t> observation);
 
   const Chain& chain_;
-  std::unordered_map<std::string, std::uint32_t> state_of_;  // by observation, a byte a feature
-  std::vector<std::uint8_t> new_features_;                   // [new states x features]
-  std::vector<double> reward_sum_;                           // [states x actions], new states included
+  // By observation, a byte a feature; of states that look alike the first that does not end
+  // episodes speaks for all.
+  std::unordered_map<std::string, std::uint32_t> state_of_;
+  std::uint32_t states_;                    // known and new
+  std::vector<std::uint8_t> new_features_;  // [new states x features]
+  std::vector<double> reward_sum_;          // [states x actions], new states included
   ChainBuilder counts_;
   std::uint64_t steps_ = 0;
 };

@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "common/check.hpp"
+#include "common/evolution/breeding.hpp"
+#include "common/evolution/seeding.hpp"
 #include "common/tree/text.hpp"
-#include "coordinator/evolution/breeding.hpp"
-#include "coordinator/evolution/seeding.hpp"
-#include "coordinator/report/counted.hpp"
-#include "coordinator/report/json_line.hpp"
+#include "coordinator/console/counted.hpp"
+#include "coordinator/console/json_line.hpp"
 
 namespace coppice {
 namespace {
@@ -38,7 +38,8 @@ Result<std::vector<Tree>> front_around(const Study& study, const Tree& tree) {
 }
 
 // At most half a generation, so that new blood is left; of a larger front every so-manieth, small to large.
-Result<std::string> founders_of_round(const Study& study, const Tree& tree, const EvolveConfig& config) {
+Result<std::string> founders_of_round(const Study& study, const Tree& tree, const Tree& best,
+                                      const EvolveConfig& config) {
   const Vocabulary& vocabulary = study.chain().vocabulary();
   auto founders = founders_of(config.ga, vocabulary);
   const auto front = front_around(study, tree);
@@ -53,8 +54,10 @@ Result<std::string> founders_of_round(const Study& study, const Tree& tree, cons
     }
   };
   const std::size_t most = std::max<std::size_t>(config.ga.population / 2, founders->size());
-  if (founders->size() < most) {
-    add(tree);
+  for (const Tree* first : {&tree, &best}) {
+    if (founders->size() < most) {
+      add(*first);
+    }
   }
   const std::size_t room = std::min(most - founders->size(), front->size());
   for (std::size_t i = 0; i < room; ++i) {
@@ -80,6 +83,12 @@ StudyLearning with_round(const StudyLearning& learning, const Study& from, const
   return {learning.settings, json_line(outcome)};
 }
 
+bool better(const Score& one, const Score& other) {
+  return one.tree.total_collisions != other.tree.total_collisions
+             ? one.tree.total_collisions < other.tree.total_collisions
+             : one.tree.reward.mean > other.tree.reward.mean;
+}
+
 class Refinement {
  public:
   Refinement(const World& world, const EvolveConfig& config, const RefineSettings& settings,
@@ -87,6 +96,7 @@ class Refinement {
       : world_(world), config_(config), settings_(settings), folder_(folder), hooks_(hooks) {}
 
   Result<void> run(const Study& study, Tree tree) {
+    best_ = tree;
     if (auto ok = report(study, tree, {.round = 0, .seed = config_.seed}); !ok) {
       return ok;
     }
@@ -103,7 +113,7 @@ class Refinement {
 
  private:
   // The round's study, evolved; `tree` becomes its answer.
-  Result<Study> run_round(const Study& from, std::uint32_t round, Tree& tree) const {
+  Result<Study> run_round(const Study& from, std::uint32_t round, Tree& tree) {
     if (hooks_.walking) {
       hooks_.walking(round);
     }
@@ -121,14 +131,14 @@ class Refinement {
     }
     EvolveConfig config = config_;
     config.seed += round;
-    auto founders = founders_of_round(from, tree, config);
+    auto founders = founders_of_round(from, tree, best_, config);
     if (!founders) {
       return tl::unexpected(founders.error());
     }
     config.ga.founders = std::move(*founders);
     const Gains gains = extended->gains;
     auto study = Study::create(study_of_round(folder_, round).string(), extended->chain, from.world(),
-                               with_round(from.learning(), from, tree, walks, gains));
+                               with_round(from.learning(), from, tree, walks, gains), from.problem());
     if (!study) {
       return tl::unexpected(study.error());
     }
@@ -148,13 +158,17 @@ class Refinement {
     return study;
   }
 
-  Result<void> report(const Study& study, const Tree& tree, RefineRound round) const {
+  Result<void> report(const Study& study, const Tree& tree, RefineRound round) {
     auto score = score_tree(world_, study.chain(), tree, settings_.judged, hooks_.go_on);
     if (!score) {
       return tl::unexpected(score.error());
     }
     add_exact(study.chain(), tree, *score);
     round.score = std::move(*score);
+    if (!best_score_ || better(*round.score, *best_score_)) {
+      best_ = tree;
+      best_score_ = round.score;
+    }
     describe(study, round);
     return {};
   }
@@ -173,6 +187,8 @@ class Refinement {
   const RefineSettings& settings_;
   const std::filesystem::path& folder_;
   const RefineHooks& hooks_;
+  Tree best_{ActionId{0}};  // as best_of()
+  std::optional<Score> best_score_;
 };
 
 }  // namespace
@@ -185,6 +201,16 @@ Result<void> check_settings(const RefineSettings& settings) {
     return checked;
   }
   return check_score_settings(settings.judged, "--score-episodes");
+}
+
+std::optional<std::size_t> best_of(const std::vector<RefineRound>& rounds) {
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < rounds.size(); ++i) {
+    if (rounds[i].score && (!best || better(*rounds[i].score, *rounds[*best].score))) {
+      best = i;
+    }
+  }
+  return best;
 }
 
 std::filesystem::path study_of_round(const std::filesystem::path& folder, std::uint32_t round) {

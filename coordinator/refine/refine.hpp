@@ -7,8 +7,9 @@
 // walks through the chain, what is gathered corrects the model too, as in Ross and Bagnell, "Agnostic system
 // identification for model-based reinforcement learning", ICML 2012.
 //
-// We differ: no mixing with the expert (their beta): the chain holds the expert's own walks already. The answer is the
-// last round's, not the best by validation: the simulator that judges here chooses nothing.
+// We differ: no mixing with the expert (their beta): the chain holds the expert's own walks already. As theirs, the
+// answer is the best of all rounds by validation (best_of()), on episodes that no round walks; the figures of a round
+// that was chosen for them are a little better than it deserves.
 //
 // Each round is a study of its own in one folder, complete or absent like any study: its chain is the round's, its run
 // the round's evolution. So an interruption keeps every round before, and the best so far of the one under way. What
@@ -23,8 +24,8 @@
 #include <vector>
 
 #include "common/error.hpp"
+#include "common/evolution/config.hpp"
 #include "common/tree/tree.hpp"
-#include "coordinator/evolution/config.hpp"
 #include "coordinator/learning/world.hpp"
 #include "coordinator/refine/experience.hpp"
 #include "coordinator/report/score.hpp"
@@ -71,11 +72,17 @@ struct RefineHooks {
   std::function<void(const RefineRound&)> round_done;
 };
 
+// The answer of the loop: the round whose tree collides least often in the simulator and, of those, earns most; the
+// earlier of two alike. Nothing: no round was scored.
+std::optional<std::size_t> best_of(const std::vector<RefineRound>& rounds);
+
 // The study of a round, in the folder.
 std::filesystem::path study_of_round(const std::filesystem::path& folder, std::uint32_t round);
 
-// Round r evolves with seed config.seed + r and begins with the tree that was walked and, if that is on a front of its
-// study, the trees of that front: ga.founders, as far as `config` allows them, beside those that `config` names.
+// Round r evolves with seed config.seed + r and begins with the tree that was walked, the best of the rounds before
+// (best_of()) and, if the walked one is on a front of its study, the trees of that front: ga.founders, as far as
+// `config` allows them, beside those that `config` names. What is walked is the last round's tree, be it better or
+// worse: where it errs is what the chain lacks.
 // Errors: interrupted (what has ended was reported); as the simulator, the study and the hook.
 // REQUIRES: check_settings(), check_config(config), check_tree(tree); the folder exists; the study's vocabulary is that
 // of `world`.

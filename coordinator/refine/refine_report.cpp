@@ -52,9 +52,14 @@ std::string to_text(const std::vector<RefineRound>& rounds) {
     }
     text += line.erase(line.find_last_not_of(' ') + 1) + '\n';
   }
-  return text +
-         "+: what the walks of the round before's tree added to the chain; reward: an episode, in the simulator\n"
-         "and as the round's chain expects it; nodes: after pruning on the chain; +- is a 95 % interval\n";
+  text +=
+      "+: what the walks of the round before's tree added to the chain; reward: an episode, in the simulator\n"
+      "and as the round's chain expects it; nodes: after pruning on the chain; +- is a 95 % interval\n";
+  if (const auto best = best_of(rounds)) {
+    text += fmt::format("best: round {}, fewest collisions, then highest reward in the simulator:\n{}\n",
+                        rounds[*best].round, rounds[*best].score->tree_text);
+  }
+  return text;
 }
 
 nlohmann::ordered_json to_json(const std::vector<RefineRound>& rounds) {

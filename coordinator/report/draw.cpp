@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "common/tree/text.hpp"
-#include "coordinator/report/program.hpp"
-#include "coordinator/report/whole_file.hpp"
+#include "coordinator/console/subprocess.hpp"
+#include "coordinator/console/whole_file.hpp"
 
 namespace coppice {
 namespace {
@@ -24,17 +24,23 @@ std::string dot_string(std::string_view text) {
   return result + "\"";
 }
 
-std::string label_of(const Node& node, const Vocabulary& vocabulary) {
+// As a DOT string. Words stand under the text form, which stays: that is what logs and the command line show.
+std::string label_of(const Node& node, const Vocabulary& vocabulary, const Problem& problem) {
   switch (node.kind) {
     case NodeKind::sequence:
-      return "\xE2\x86\x92";  // U+2192, rightwards arrow
+      return dot_string("\xE2\x86\x92");  // U+2192, rightwards arrow
     case NodeKind::selector:
-      return "?";
+      return dot_string("?");
     case NodeKind::condition:
     case NodeKind::action:
       break;
   }
-  return to_text(node, vocabulary);
+  std::string label = dot_string(to_text(node, vocabulary));
+  if (const std::string words = in_words(node, problem, vocabulary); !words.empty()) {
+    label.pop_back();
+    label += "\\n" + dot_string(words).substr(1);
+  }
+  return label;
 }
 
 std::string_view shape_of(const Node& node) {
@@ -56,7 +62,7 @@ tl::unexpected<Error> no_dot() {
 
 }  // namespace
 
-std::string to_dot(const Tree& tree, const Vocabulary& vocabulary) {
+std::string to_dot(const Tree& tree, const Vocabulary& vocabulary, const Problem& problem) {
   std::string text =
       "digraph tree {\n"
       "  graph [ordering=out];\n"
@@ -73,7 +79,7 @@ std::string to_dot(const Tree& tree, const Vocabulary& vocabulary) {
       open.pop_back();
     }
     fmt::format_to(std::back_inserter(text), "  n{} [shape={}, label={}];\n", i, shape_of(node),
-                   dot_string(label_of(node, vocabulary)));
+                   label_of(node, vocabulary, problem));
     if (!open.empty()) {
       fmt::format_to(std::back_inserter(text), "  n{} -> n{};\n", open.back().node, i);
     }
@@ -101,12 +107,13 @@ Result<DrawingFormat> drawing_format(const std::filesystem::path& path) {
 
 Result<void> check_dot() { return has_program("dot") ? Result<void>() : no_dot(); }
 
-Result<void> write_drawing(const Tree& tree, const Vocabulary& vocabulary, const std::filesystem::path& path) {
+Result<void> write_drawing(const Tree& tree, const Vocabulary& vocabulary, const Problem& problem,
+                           const std::filesystem::path& path) {
   const Result<DrawingFormat> format = drawing_format(path);
   if (!format) {
     return tl::unexpected(format.error());
   }
-  const std::string source = to_dot(tree, vocabulary);
+  const std::string source = to_dot(tree, vocabulary, problem);
   if (*format == DrawingFormat::dot) {
     return write_whole_file(path, source);
   }

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "coordinator/report/front_report.hpp"
-#include "coordinator/report/gnuplot.hpp"
 
 namespace coppice {
 namespace {
@@ -66,14 +65,15 @@ Result<FrontAxes> axes_from(std::string_view text, const Front& front) {
   return FrontAxes{(*measures)[0], (*measures)[1]};
 }
 
-std::string to_gnuplot(const Front& front, const FrontAxes& axes, std::optional<std::size_t> picked) {
+std::string to_gnuplot(const Front& front, const FrontAxes& axes, std::optional<std::size_t> picked,
+                       PictureFormat format) {
   std::vector<Dot> dots;
   for (const FrontMember& member : front.members) {
     const double x = *value_of(front, member, axes.across) * (is_share(axes.across) ? 100.0 : 1.0);
     const double y = *value_of(front, member, axes.up) * (is_share(axes.up) ? 100.0 : 1.0);
     dots.push_back({x, y, is_cost(axes.across) ? x : -x, is_cost(axes.up) ? y : -y, member.tree.size()});
   }
-  std::string text = gnuplot_terminal(kWidth, kHeight);
+  std::string text = gnuplot_terminal(kWidth, kHeight, format);
   text += "set key off\nset grid\nset offsets graph 0.03, graph 0.03, graph 0.03, graph 0.03\n";
   text += "set palette defined (0 '#b8d0ff', 1 '#00206a')\nset cblabel 'nodes'\n";
   text += axis("x", axes.across) + axis("y", axes.up);
@@ -87,7 +87,11 @@ std::string to_gnuplot(const Front& front, const FrontAxes& axes, std::optional<
 
 Result<void> write_front_plot(const Front& front, const FrontAxes& axes, std::optional<std::size_t> picked,
                               const std::filesystem::path& path) {
-  return draw_by_gnuplot(to_gnuplot(front, axes, picked), path);
+  const Result<PictureFormat> format = picture_format(path);
+  if (!format) {
+    return tl::unexpected(format.error());
+  }
+  return draw_by_gnuplot(to_gnuplot(front, axes, picked, *format), path);
 }
 
 }  // namespace coppice

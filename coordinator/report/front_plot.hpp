@@ -8,6 +8,7 @@
 
 #include "common/error.hpp"
 #include "coordinator/evolution/pick.hpp"
+#include "coordinator/report/gnuplot.hpp"
 
 namespace coppice {
 
@@ -21,9 +22,10 @@ Result<FrontAxes> axes_from(std::string_view text, const Front& front);
 
 // What gnuplot is told, without where to: a dot a tree, the darker the more nodes; `picked` in a circle; those that no
 // other beats in these two measures are joined. REQUIRES: front.members not empty, axes of its measures.
-std::string to_gnuplot(const Front& front, const FrontAxes& axes, std::optional<std::size_t> picked);
+std::string to_gnuplot(const Front& front, const FrontAxes& axes, std::optional<std::size_t> picked,
+                       PictureFormat format = PictureFormat::svg);
 
-// Writes it as an SVG. Errors: as draw_by_gnuplot().
+// Writes it in the format of the path's extension. Errors: as picture_format(), draw_by_gnuplot().
 Result<void> write_front_plot(const Front& front, const FrontAxes& axes, std::optional<std::size_t> picked,
                               const std::filesystem::path& path);
 

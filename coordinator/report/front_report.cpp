@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/tree/text.hpp"
-#include "coordinator/report/json_line.hpp"
+#include "coordinator/console/json_line.hpp"
 
 namespace coppice {
 

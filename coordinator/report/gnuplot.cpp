@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "coordinator/report/program.hpp"
-#include "coordinator/report/whole_file.hpp"
+#include "coordinator/console/subprocess.hpp"
+#include "coordinator/console/whole_file.hpp"
 
 namespace coppice {
 
@@ -15,9 +15,20 @@ std::string gnuplot_string(const std::string& text) {
   return result + "'";
 }
 
-std::string gnuplot_terminal(int width, int height) {
-  return fmt::format("set terminal svg size {},{} noenhanced font 'Helvetica,12' background rgb 'white'\n", width,
-                     height);
+Result<PictureFormat> picture_format(const std::filesystem::path& path) {
+  const std::string extension = path.extension().string();
+  if (extension == ".svg") {
+    return PictureFormat::svg;
+  }
+  if (extension == ".png") {
+    return PictureFormat::png;
+  }
+  return bad_input(fmt::format("{}: picture has extension '{}': expected .svg or .png", path.string(), extension));
+}
+
+std::string gnuplot_terminal(int width, int height, PictureFormat format) {
+  return fmt::format("set terminal {} size {},{} noenhanced font 'Helvetica,12' background rgb 'white'\n",
+                     format == PictureFormat::svg ? "svg" : "pngcairo", width, height);
 }
 
 Result<void> check_gnuplot() {

@@ -1,6 +1,7 @@
 // Pictures that gnuplot (http://gnuplot.info) draws: its path, its strings, its output as a whole file or none.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -12,8 +13,14 @@ namespace coppice {
 // would run a command). Control characters become blanks.
 std::string gnuplot_string(const std::string& text);
 
-// "set terminal ..." for an SVG of so many pixels.
-std::string gnuplot_terminal(int width, int height);
+// What a picture is written as.
+enum class PictureFormat : std::uint8_t { svg, png };
+
+// The format that an extension asks for. Errors (bad_input) name the two that exist.
+Result<PictureFormat> picture_format(const std::filesystem::path& path);
+
+// "set terminal ..." for a picture of so many pixels.
+std::string gnuplot_terminal(int width, int height, PictureFormat format = PictureFormat::svg);
 
 // Error: gnuplot is not on PATH.
 Result<void> check_gnuplot();

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <iterator>
 
 #include "common/check.hpp"
 #include "coordinator/report/gnuplot.hpp"
@@ -10,18 +9,23 @@
 namespace coppice {
 namespace {
 
-constexpr int kPanelWidth = 380;
-constexpr int kRowHeight = 22;  // of one setting
-constexpr int kMargins = 90;    // above and below
-constexpr std::size_t kLabelWidth = 7;
+constexpr std::size_t kPanelsAcross = 3;  // what a screen shows side by side
+// Pixels:
+constexpr double kPanelWidth = 330.0;
+constexpr double kBesidePanel = 30.0;  // of that, free
+constexpr double kRowHeight = 22.0;    // of one setting
+constexpr double kAbovePanel = 36.0;   // for its title
+constexpr double kBelowPanel = 34.0;   // for its scale
+constexpr double kTitle = 34.0;
+constexpr double kLeftMargin = 20.0;
+constexpr std::size_t kLabelWidth = 7;  // of a letter
 
 std::string data_of(const IntervalPlot& plot, const PlotPanel& panel) {
   std::string text;
   for (std::size_t i = 0; i < panel.points.size(); ++i) {
     const PlotPoint& point = panel.points[i];
     // The first setting on top.
-    fmt::format_to(std::back_inserter(text), "{} {} {} {}\n", point.value, plot.settings.size() - i, point.low,
-                   point.high);
+    text += fmt::format("{} {} {} {}\n", point.value, plot.settings.size() - i, point.low, point.high);
   }
   return text + "e\n";
 }
@@ -35,28 +39,31 @@ std::string to_gnuplot(const IntervalPlot& plot) {
     longest = std::max(longest, setting.size());
   }
   const std::size_t rows = plot.settings.size();
-  const int width = static_cast<int>(longest * kLabelWidth) + kPanelWidth * static_cast<int>(plot.panels.size());
-  const double left = static_cast<double>(longest * kLabelWidth + 20) / width;
-  const double each = (0.98 - left) / static_cast<double>(plot.panels.size());
-  std::string text = gnuplot_terminal(width, kMargins + kRowHeight * static_cast<int>(rows));
-  text += fmt::format(
-      "set multiplot title {}\n"
-      "set key off\nset grid xtics\nset yrange [0.5:{}.5]\nset tmargin 4\nset bmargin 3\nset ytics ()\n",
-      gnuplot_string(plot.title), rows);
+  const std::size_t across = std::min(plot.panels.size(), kPanelsAcross);
+  const std::size_t down = (plot.panels.size() + across - 1) / across;
+  const double labels = static_cast<double>(longest * kLabelWidth) + kLeftMargin;  // pixels, as all that follows
+  const double panel_height = static_cast<double>(rows) * kRowHeight;
+  const double line_height = panel_height + kAbovePanel + kBelowPanel;
+  const double width = labels + static_cast<double>(across) * kPanelWidth;
+  const double height = kTitle + static_cast<double>(down) * line_height;
+  std::string text = gnuplot_terminal(static_cast<int>(width), static_cast<int>(height));
+  text += fmt::format("set multiplot title {}\nset key off\nset grid xtics\nset yrange [0.5:{}.5]\nset ytics ()\n",
+                      gnuplot_string(plot.title), rows);
   for (std::size_t p = 0; p < plot.panels.size(); ++p) {
-    const double from = left + static_cast<double>(p) * each;
-    fmt::format_to(std::back_inserter(text), "set lmargin at screen {:.4f}\nset rmargin at screen {:.4f}\n", from,
-                   from + each * 0.88);
+    const double left = labels + static_cast<double>(p % across) * kPanelWidth;
+    const double top = kTitle + static_cast<double>(p / across) * line_height + kAbovePanel;  // from above
+    text += fmt::format("set lmargin at screen {:.4f}\nset rmargin at screen {:.4f}\n", left / width,
+                        (left + kPanelWidth - kBesidePanel) / width);
+    text += fmt::format("set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\n", 1.0 - top / height,
+                        1.0 - (top + panel_height) / height);
     std::string tics;
     for (std::size_t i = 0; i < rows; ++i) {
-      fmt::format_to(std::back_inserter(tics), "{}{} {}", i == 0 ? "" : ", ",
-                     gnuplot_string(p == 0 ? plot.settings[i] : std::string()), rows - i);
+      tics += fmt::format("{}{} {}", i == 0 ? "" : ", ",
+                          gnuplot_string(p % across == 0 ? plot.settings[i] : std::string()), rows - i);
     }
-    fmt::format_to(std::back_inserter(text), "set ytics ({})\nset title {}\n", tics,
-                   gnuplot_string(plot.panels[p].title));
-    fmt::format_to(std::back_inserter(text),
-                   "plot '-' using 1:2:3:4 with xerrorbars pointtype 7 pointsize 0.6 linecolor rgb '#1f5fa8'\n{}",
-                   data_of(plot, plot.panels[p]));
+    text += fmt::format("set ytics ({})\nset title {}\n", tics, gnuplot_string(plot.panels[p].title));
+    text += "plot '-' using 1:2:3:4 with xerrorbars pointtype 7 pointsize 0.6 linecolor rgb '#1f5fa8'\n" +
+            data_of(plot, plot.panels[p]);
   }
   return text + "unset multiplot\n";
 }

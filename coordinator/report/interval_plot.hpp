@@ -27,7 +27,7 @@ struct IntervalPlot {
   std::vector<PlotPanel> panels;      // at least one
 };
 
-// What gnuplot is told, without where to.
+// What gnuplot is told, without where to: three panels side by side, the rest below.
 std::string to_gnuplot(const IntervalPlot& plot);
 
 // Writes it as an SVG. Errors: as draw_by_gnuplot(). REQUIRES: each panel has as many points as there are settings.

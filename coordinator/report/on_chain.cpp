@@ -25,7 +25,8 @@ ChainActions actions_of_policy(const Chain& chain) {
 std::size_t matching_states(const Chain& chain, const ChainActions& actions, std::uint64_t fewest_visits) {
   std::size_t matches = 0;
   for (std::size_t state = 0; state < actions.size(); ++state) {
-    if (chain.parts().visits[state] >= fewest_visits && actions[state] == index_of(chain.policy(state))) {
+    const bool agrees = actions[state] == index_of(chain.policy(state)) || chain.is_terminal(state);
+    if (agrees && chain.parts().visits[state] >= fewest_visits) {
       ++matches;
     }
   }
@@ -38,11 +39,11 @@ ExpectedScore expected_score(const Chain& chain, const ChainActions& actions, st
   ExpectedScore score;
   for (std::size_t i = 0; i < occupancy.states.size(); ++i) {
     const std::size_t state = occupancy.states[i];
-    if (actions[state] == index_of(chain.policy(state))) {
+    if (actions[state] == index_of(chain.policy(state)) || chain.is_terminal(state)) {
       score.agreement += occupancy.visits[i];
     }
-    if (actions[state] < chain.actions()) {
-      score.reward += occupancy.visits[i] * chain.mean_reward(chain.row(state, ActionId{actions[state]}));
+    if (const std::size_t taken = chain.taken(state, actions[state]); taken < chain.actions()) {
+      score.reward += occupancy.visits[i] * chain.mean_reward(state * chain.actions() + taken);
     }
   }
   score.agreement /= static_cast<double>(steps);

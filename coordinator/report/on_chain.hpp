@@ -18,7 +18,7 @@ using ChainActions = std::vector<std::uint8_t>;
 ChainActions actions_of(const Chain& chain, const Tree& tree);
 ChainActions actions_of_policy(const Chain& chain);
 
-// Of the states that were visited so often or more in learning.
+// Of the states that were visited so often or more in learning. Where an episode ends whatever is chosen matches.
 std::size_t matching_states(const Chain& chain, const ChainActions& actions, std::uint64_t fewest_visits = 0);
 
 struct ExpectedScore {
@@ -26,8 +26,8 @@ struct ExpectedScore {
   double reward = 0.0;     // per episode: the sum of the mean rewards recorded for each (state, action)
 };
 
-// Over `steps` steps from the initial state, computed (common/chain/exact.hpp). Without an action the state is held and
-// nothing earned.
+// Over `steps` steps from the initial state, computed (common/chain/exact.hpp). Without an action the
+// chain says what takes place (Chain::taken).
 ExpectedScore expected_score(const Chain& chain, const ChainActions& actions, std::uint32_t steps);
 
 }  // namespace coppice

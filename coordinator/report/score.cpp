@@ -12,9 +12,9 @@
 #include "common/tree/simplify.hpp"
 #include "common/tree/state_columns.hpp"
 #include "common/tree/text.hpp"
+#include "coordinator/console/counted.hpp"
+#include "coordinator/console/json_line.hpp"
 #include "coordinator/learning/default_room.hpp"
-#include "coordinator/report/counted.hpp"
-#include "coordinator/report/json_line.hpp"
 
 namespace coppice {
 namespace {

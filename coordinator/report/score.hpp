@@ -23,6 +23,7 @@ namespace coppice {
 struct Estimate {
   double mean = 0.0;
   double margin = 0.0;  // half the width of the interval; 0 for a single sample
+  bool operator==(const Estimate&) const = default;
 };
 
 // REQUIRES: samples not empty.

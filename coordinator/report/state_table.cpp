@@ -46,8 +46,9 @@ void write_state_table(const Chain& chain, const Tree& tree, std::ostream& out) 
   std::string line;
   for (std::size_t state = 0; state < chain.states(); ++state) {
     line.clear();
-    for (const std::uint8_t value : chain.features_of(state)) {
-      fmt::format_to(std::back_inserter(line), "{},", value);
+    for (std::size_t f = 0; f < vocabulary.features.size(); ++f) {
+      line += vocabulary.features[f].number_text(chain.features_of(state)[f]);
+      line += ',';
     }
     const std::string_view tree_action =
         table[state] == kNoAction ? std::string_view() : std::string_view(action_fields[index_of(table[state])]);

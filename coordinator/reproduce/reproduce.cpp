@@ -6,9 +6,9 @@
 #include <optional>
 #include <utility>
 
+#include "coordinator/console/json_line.hpp"
 #include "coordinator/learning/learn.hpp"
 #include "coordinator/learning/simulate.hpp"
-#include "coordinator/report/json_line.hpp"
 #include "coordinator/reproduce/grid_tables.hpp"
 #include "coordinator/reproduce/room_tables.hpp"
 #include "coordinator/study/study.hpp"

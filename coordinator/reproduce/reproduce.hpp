@@ -11,7 +11,7 @@
 
 #include "common/error.hpp"
 #include "common/stop.hpp"
-#include "coordinator/dispatch/open_evaluator.hpp"
+#include "coordinator/fleet/open_evaluator.hpp"
 #include "coordinator/reproduce/comparison.hpp"
 
 namespace coppice {

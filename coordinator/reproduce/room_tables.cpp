@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "common/tree/text.hpp"
+#include "coordinator/console/counted.hpp"
 #include "coordinator/learning/uav_room.hpp"
-#include "coordinator/report/counted.hpp"
 #include "coordinator/trust/verification_report.hpp"
 
 namespace coppice {

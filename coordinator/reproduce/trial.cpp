@@ -10,9 +10,10 @@
 #include "common/tree/action_table.hpp"
 #include "common/tree/simplify.hpp"
 #include "common/tree/state_columns.hpp"
+#include "coordinator/console/json_line.hpp"
+#include "coordinator/evolution/config_text.hpp"
 #include "coordinator/evolution/evolve.hpp"
 #include "coordinator/learning/simulate.hpp"
-#include "coordinator/report/json_line.hpp"
 
 namespace coppice {
 namespace {
@@ -43,6 +44,13 @@ Result<Evolved> evolve_and_keep(const EvolveConfig& config, const std::string& l
       return saved;
     }
     bench.progress(label, record.generation + 1);
+    return bench.stop.raised() ? Result<void>(interrupted()) : Result<void>();
+  };
+  hooks.epoch_done = [&](std::span<const GenerationRecord> records, const Checkpoint& checkpoint) -> Result<void> {
+    if (const Result<void> saved = bench.study.save_generations(*run, records, checkpoint); !saved) {
+      return saved;
+    }
+    bench.progress(label, checkpoint.generation + 1);
     return bench.stop.raised() ? Result<void>(interrupted()) : Result<void>();
   };
   Result<Evolved> evolved = evolve(bench.study.chain(), config, bench.evaluator, std::nullopt, hooks);

@@ -10,10 +10,10 @@
 
 #include "common/chain/chain.hpp"
 #include "common/error.hpp"
+#include "common/evolution/config.hpp"
 #include "common/stop.hpp"
 #include "common/tree/tree.hpp"
 #include "coordinator/dispatch/evaluator.hpp"
-#include "coordinator/evolution/config.hpp"
 #include "coordinator/learning/world.hpp"
 #include "coordinator/report/score.hpp"
 #include "coordinator/study/study.hpp"

@@ -7,12 +7,14 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <unistd.h>
 #include <utility>
 
 #include "common/tree/text.hpp"
-#include "coordinator/report/json_line.hpp"
+#include "coordinator/console/json_line.hpp"
+#include "coordinator/evolution/config_text.hpp"
 
 namespace coppice {
 namespace {
@@ -60,6 +62,10 @@ std::optional<SweepResult> result_of(const Json& json, const Vocabulary& vocabul
   return result;
 }
 
+std::string key(const std::string& chain, std::uint64_t episodes, const EvolveConfig& config) {
+  return fmt::format("{} {} {}", chain, episodes, config_to_json(config));
+}
+
 tl::unexpected<Error> cannot(const char* what, const std::filesystem::path& path) {
   return failed(fmt::format("{}: cannot be {}: {}", path.string(), what, std::strerror(errno)));
 }
@@ -76,6 +82,8 @@ SweepJournal::SweepJournal(SweepJournal&& other) noexcept
       episodes_(other.episodes_),
       vocabulary_(std::move(other.vocabulary_)),
       results_(std::move(other.results_)),
+      lines_(std::move(other.lines_)),
+      added_(std::move(other.added_)),
       file_(std::exchange(other.file_, -1)) {}
 
 SweepJournal::~SweepJournal() {
@@ -84,19 +92,32 @@ SweepJournal::~SweepJournal() {
   }
 }
 
-std::string SweepJournal::key_of(const EvolveConfig& config) const {
-  return fmt::format("{} {} {}", chain_, episodes_, config_to_json(config));
-}
+std::string SweepJournal::key_of(const EvolveConfig& config) const { return key(chain_, episodes_, config); }
 
 void SweepJournal::read(const std::string& text) {
   std::istringstream lines(text);
+  std::size_t number = 0;
   for (std::string line; std::getline(lines, line);) {
+    ++number;
     try {
       const Json json = Json::parse(line);
       const auto config = config_from_json(json.at("config").dump());
-      auto result = result_of(json, vocabulary_);
-      if (config && result && json.at("chain") == chain_ && json.at("episodes") == episodes_) {
-        results_.insert_or_assign(key_of(*config), std::move(*result));
+      if (!config) {
+        continue;
+      }
+      const std::string run =
+          key(json.at("chain").get<std::string>(), json.at("episodes").get<std::uint64_t>(), *config);
+      if (json.value("revoked", false)) {
+        lines_.erase(run);
+        results_.erase(run);
+        continue;
+      }
+      lines_.emplace(run, number);
+      if (run != key_of(*config)) {
+        continue;
+      }
+      if (auto result = result_of(json, vocabulary_); result) {
+        results_.insert_or_assign(run, std::move(*result));
       }
     } catch (const Json::exception&) {  // NOLINT(bugprone-empty-catch): cut short, or of another program: its run is
                                         // repeated
@@ -129,15 +150,51 @@ const SweepResult* SweepJournal::find(const EvolveConfig& config) const {
   return found == results_.end() ? nullptr : &found->second;
 }
 
+std::optional<std::size_t> SweepJournal::line_beside(const std::vector<SweepRun>& runs) const {
+  std::set<std::string> known;
+  for (const SweepRun& run : runs) {
+    known.insert(key_of(run.config));
+  }
+  std::optional<std::size_t> first;
+  for (const auto& [run, line] : lines_) {
+    if (known.count(run) == 0 && line < first.value_or(line + 1)) {
+      first = line;
+    }
+  }
+  return first;
+}
+
 Result<void> SweepJournal::add(const EvolveConfig& config, const SweepResult& result) {
   Json json = {{"chain", chain_}, {"episodes", episodes_}, {"config", Json::parse(config_to_json(config))}};
   json.update(json_of(result, vocabulary_));
-  const std::string line = json_line(json) + "\n";
-  // One write: a line is there whole, or is the last and cut short.
-  if (::write(file_, line.data(), line.size()) != static_cast<ssize_t>(line.size()) || fdatasync(file_) != 0) {
-    return cannot("written", path_);
+  if (auto ok = write_line(json_line(json)); !ok) {
+    return ok;
   }
   results_.insert_or_assign(key_of(config), result);
+  added_.push_back(config);
+  return {};
+}
+
+Result<std::size_t> SweepJournal::revoke_added() {
+  for (const EvolveConfig& config : added_) {
+    const Json json = {
+        {"chain", chain_}, {"episodes", episodes_}, {"config", Json::parse(config_to_json(config))}, {"revoked", true}};
+    if (auto ok = write_line(json_line(json)); !ok) {
+      return tl::unexpected(ok.error());
+    }
+    results_.erase(key_of(config));
+  }
+  const std::size_t revoked = added_.size();
+  added_.clear();
+  return revoked;
+}
+
+// In one write: a line is there whole, or is the last and cut short.
+Result<void> SweepJournal::write_line(const std::string& line) const {
+  const std::string whole = line + "\n";
+  if (::write(file_, whole.data(), whole.size()) != static_cast<ssize_t>(whole.size()) || fdatasync(file_) != 0) {
+    return cannot("written", path_);
+  }
   return {};
 }
 

@@ -11,6 +11,7 @@
 #include <set>
 #include <toml++/toml.h>
 
+#include "coordinator/evolution/config_text.hpp"
 #include "coordinator/report/score.hpp"
 
 namespace coppice {

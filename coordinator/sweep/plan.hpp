@@ -20,8 +20,8 @@
 #include <vector>
 
 #include "common/error.hpp"
+#include "common/evolution/config.hpp"
 #include "common/tree/vocabulary.hpp"
-#include "coordinator/evolution/config.hpp"
 
 namespace coppice {
 

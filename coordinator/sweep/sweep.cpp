@@ -5,10 +5,8 @@
 #include <chrono>
 #include <mutex>
 #include <thread>
-#include <unordered_set>
 
 #include "common/check.hpp"
-#include "common/fitness/meaning.hpp"
 #include "common/tree/action_table.hpp"
 #include "common/tree/simplify.hpp"
 #include "common/tree/state_columns.hpp"
@@ -19,14 +17,6 @@ namespace coppice {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-std::size_t count_meanings(Meanings& meanings, std::span<const Tree> trees) {
-  std::unordered_set<Meaning, MeaningHash> found;
-  for (const Tree& tree : trees) {
-    found.insert(meanings.of(tree));
-  }
-  return found.size();
-}
 
 class Sweep {
  public:
@@ -96,17 +86,20 @@ class Sweep {
   Result<SweepResult> evolve_one(const EvolveConfig& config, Evaluator& evaluator) {
     const Clock::time_point begin = Clock::now();
     SweepResult result;
-    Meanings meanings(chain_);
     EvolveHooks hooks;
-    hooks.generation_done = [&](const GenerationRecord& record, const Checkpoint& checkpoint) -> Result<void> {
+    hooks.whole = true;
+    hooks.count_meanings = true;
+    hooks.epoch_done = [&](std::span<const GenerationRecord> records, const Checkpoint& checkpoint) -> Result<void> {
       const auto individuals = static_cast<double>(checkpoint.population.size());
-      result.distinct += static_cast<double>(record.distinct_trees) / individuals;
-      result.meanings += static_cast<double>(count_meanings(meanings, checkpoint.population)) / individuals;
+      for (const GenerationRecord& record : records) {
+        result.distinct += static_cast<double>(record.distinct_trees) / individuals;
+        result.meanings += static_cast<double>(record.meanings) / individuals;
+      }
       if (stop_.raised() || ended()) {
         return interrupted();
       }
-      if (hooks_.generation_done) {
-        const std::lock_guard lock(hooks_mutex_);
+      const std::lock_guard lock(hooks_mutex_);
+      for (std::size_t i = 0; hooks_.generation_done && i < records.size(); ++i) {
         hooks_.generation_done();
       }
       return {};

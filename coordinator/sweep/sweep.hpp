@@ -1,6 +1,6 @@
-// Many runs of evolution at once on one set of workers: while one run waits at the end of its generation, the workers
-// evaluate for the others. Each run has a thread and an evaluator of its own, so its result is the one that it has
-// alone, whatever runs beside it.
+// Many runs of evolution at once on one set of workers. A run travels as a whole, or in epochs where it has several
+// demes, so that nothing is sent for each generation; its last comparison is spread over all workers. Each run has a
+// thread and an evaluator of its own, so its result is the one that it has alone, whatever runs beside it.
 #pragma once
 
 #include <cstddef>
@@ -21,11 +21,12 @@ namespace coppice {
 
 // What a run came to. Everything but seconds is a pure function of (chain, configuration, world, episodes).
 struct SweepResult {
-  double fitness = 0.0;     // of the answer, on the final sample
-  double agreement = 0.0;   // likewise
-  double coverage = 0.0;    // share of all states in which it does what the policy does
-  double distinct = 0.0;    // different trees, as a share of the population, mean over the generations
-  double meanings = 0.0;    // the same for different action tables: trees that differ in what they do
+  double fitness = 0.0;    // of the answer, on the final sample
+  double agreement = 0.0;  // likewise
+  double coverage = 0.0;   // share of all states in which it does what the policy does
+  double distinct = 0.0;   // different trees, as a share of the population, mean over the generations
+  double meanings = 0.0;   // the same for different action tables: trees that differ in what they do. Of several demes:
+                           // the sum of each one's
   std::uint64_t nodes = 0;  // after pruning on the chain
   Tree tree{ActionId{0}};   // likewise
   struct Simulated {

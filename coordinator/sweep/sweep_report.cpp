@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/tree/text.hpp"
-#include "coordinator/report/json_line.hpp"
+#include "coordinator/console/json_line.hpp"
 #include "coordinator/sweep/summary.hpp"
 
 namespace coppice {

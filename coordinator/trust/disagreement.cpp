@@ -8,6 +8,7 @@
 
 #include "common/chain/exact.hpp"
 #include "common/check.hpp"
+#include "common/named.hpp"
 #include "coordinator/learning/world.hpp"
 #include "coordinator/report/on_chain.hpp"
 #include "coordinator/trust/jumps.hpp"
@@ -58,7 +59,8 @@ std::vector<double> weights_of(const Chain& chain, const std::vector<std::uint8_
 
 // Q of what the tree does; nothing done for ever is worth 0.
 double value_of(const Chain& chain, std::size_t state, std::uint8_t action) {
-  return action < chain.actions() ? chain.parts().q[state * chain.actions() + action] : 0.0;
+  const std::size_t taken = chain.taken(state, action);
+  return taken < chain.actions() ? chain.parts().q[state * chain.actions() + taken] : 0.0;
 }
 
 // All conditions that the vocabulary allows, less those that always hold.
@@ -178,13 +180,7 @@ bool all_hold(const std::vector<Node>& tests, std::span<const std::uint8_t> feat
 
 std::string_view name_of(Weighting weighting) { return kNames[static_cast<std::size_t>(weighting)]; }
 
-Result<Weighting> weighting_named(std::string_view name) {
-  const auto found = std::find(kNames.begin(), kNames.end(), name);
-  if (found == kNames.end()) {
-    return bad_input(fmt::format("'{}': expected {}", name, fmt::join(kNames, ", ")));
-  }
-  return static_cast<Weighting>(found - kNames.begin());
-}
+Result<Weighting> weighting_named(std::string_view name) { return value_named<Weighting>("weighting", name, kNames); }
 
 Result<void> check_settings(const ExplainSettings& settings) {
   if (settings.steps < 1 || settings.steps > kMaxEpisodeSteps) {
@@ -213,7 +209,7 @@ Explanation explain(const Chain& chain, const Tree& tree, const ExplainSettings&
     for (std::size_t action = 0; action < actions; ++action) {
       gains[state * actions + action] = weights[state] * (chain.parts().q[state * actions + action] - now);
     }
-    if (of_tree[state] == of_policy[state]) {
+    if (of_tree[state] == of_policy[state] || chain.is_terminal(state)) {
       continue;
     }
     result.disagreements.push_back({.state = state,

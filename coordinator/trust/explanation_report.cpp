@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "common/tree/text.hpp"
-#include "coordinator/report/counted.hpp"
+#include "coordinator/console/counted.hpp"
 #include "coordinator/trust/jumps.hpp"
 #include "coordinator/trust/verification_report.hpp"
 
@@ -72,10 +72,11 @@ ExplainReport explain_report(const Chain& chain, const Tree& tree, const Explain
   return report;
 }
 
-std::string to_text(const ExplainReport& report, const Chain& chain, const Tree& tree, std::size_t most_states) {
+std::string to_text(const ExplainReport& report, const Chain& chain, const Tree& tree, const Problem& problem,
+                    std::size_t most_states) {
   const Explanation& explanation = report.explanation;
   const Vocabulary& vocabulary = chain.vocabulary();
-  std::string text = numbered(tree, vocabulary);
+  std::string text = numbered(tree, vocabulary, problem);
   text += fmt::format(
       "\ntree and policy differ in {} of {}; together that costs {:.2f} an episode of {}\n"
       "cost = visits x regret; visits: {}; regret = V(s) - Q(s, tree's action)\n",

@@ -6,6 +6,7 @@
 
 #include "common/chain/chain.hpp"
 #include "common/tree/tree.hpp"
+#include "coordinator/problem/problem.hpp"
 #include "coordinator/trust/disagreement.hpp"
 #include "coordinator/trust/tree_figures.hpp"
 
@@ -30,7 +31,8 @@ struct ExplainReport {
 ExplainReport explain_report(const Chain& chain, const Tree& tree, const ExplainSettings& settings);
 
 // `most_states`: how many of the costliest states are listed.
-std::string to_text(const ExplainReport& report, const Chain& chain, const Tree& tree, std::size_t most_states);
+std::string to_text(const ExplainReport& report, const Chain& chain, const Tree& tree, const Problem& problem,
+                    std::size_t most_states);
 nlohmann::ordered_json to_json(const ExplainReport& report, const Chain& chain, const Tree& tree,
                                std::size_t most_states);
 

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "common/tree/condition.hpp"
 #include "common/tree/tree.hpp"
 
 namespace coppice {
@@ -26,11 +27,6 @@ std::size_t first_leaf(const Tree& tree, std::size_t node);
 
 // [nodes]; that of a composite is what follows it as a whole.
 std::vector<Jump> jumps_of(const Tree& tree);
-
-// Whether a condition node holds for a value of its feature. REQUIRES: kind condition.
-inline bool holds(const Node& condition, std::uint8_t value) {
-  return condition.op == Op::equal ? value == condition.value : value <= condition.value;
-}
 
 // The action node that writes last, kTickEnds when none writes. REQUIRES: features holds every feature that is tested,
 // jumps == jumps_of(tree).

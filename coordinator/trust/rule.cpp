@@ -48,8 +48,8 @@ class Tokens {
     if (is_letter(first)) {
       take_while([](char c) { return is_letter(c) || is_digit(c); });
       now_.kind = Token::Kind::word;
-    } else if (is_digit(first)) {
-      take_while(is_digit);
+    } else if (is_digit(first) || first == '-' || first == '.') {
+      take_while([](char c) { return is_digit(c) || c == '-' || c == '.' || c == 'e' || c == '+'; });
       now_.kind = Token::Kind::number;
     } else if (first == '=' || first == '<' || first == '>' || first == '!') {
       ++at_;
@@ -189,17 +189,19 @@ class Parser {
     if (op.kind != Token::Kind::comparison) {
       return wrong(op, "=, !=, <=, <, >= or >");
     }
+    const Feature& tested = vocabulary_.features[*feature];
+    if (tested.scale == Scale::bins && op.text != "<=" && op.text != ">") {
+      return wrong(op, fmt::format("<= or >: {} has bins", name.text));
+    }
     tokens_.advance();
     const Token number = tokens_.now();
-    const std::vector<std::uint8_t>& values = vocabulary_.features[*feature].values;
-    unsigned bound = 0;
-    const auto [end, error] = std::from_chars(number.text.data(), number.text.data() + number.text.size(), bound);
-    if (number.kind != Token::Kind::number || error != std::errc{} || end != number.text.data() + number.text.size() ||
-        std::find(values.begin(), values.end(), bound) == values.end()) {
-      return wrong(number, fmt::format("a value of {} ({})", name.text, fmt::join(values, ", ")));
+    const std::optional<std::uint8_t> bound =
+        number.kind == Token::Kind::number ? tested.value_of_text(number.text) : std::nullopt;
+    if (!bound) {
+      return wrong(number, fmt::format("a value of {} ({})", name.text, tested.values_text()));
     }
-    for (const std::uint8_t value : values) {
-      if (!compares(value, op.text, bound)) {
+    for (const std::uint8_t value : tested.values) {
+      if (!compares(value, op.text, *bound)) {
         allowed[*feature].reset(value);
       }
     }

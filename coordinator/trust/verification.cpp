@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 
+#include "common/chain/best_return.hpp"
 #include "common/chain/count_posterior.hpp"
 #include "common/chain/exact.hpp"
 #include "common/chain/exact_events.hpp"
@@ -32,11 +33,17 @@ struct Answers {
   std::vector<OfEvent> events;
 };
 
+// Rounding must not show a probability of more than 1.
+double probability(double sum) { return std::min(sum, 1.0); }
+
 class Model {
  public:
   Model(const Chain& chain, const Tree& tree, std::uint32_t steps)
       : chain_(chain), steps_(steps), solvable_(chain.states() <= kMaxSolvedStates), exact_(chain), events_(chain) {
     actions_ = actions_of(chain, tree);
+    for (std::size_t state = 0; state < actions_.size(); ++state) {  // of interest here is what takes place
+      actions_[state] = static_cast<std::uint8_t>(chain.taken(state, actions_[state]));
+    }
     probabilities_.resize(chain.transitions());
     events_.begin(acting());
     reached_ = events_.states().size();
@@ -84,12 +91,12 @@ class Model {
     events_.begin(acting(), probabilities);
     for (const std::vector<double>& chance : chances) {
       Answers::OfEvent& answer = answers.events.emplace_back();
-      answer.within = events_.within(chance, steps_);
+      answer.within = probability(events_.within(chance, steps_));
       if (!solvable_) {
         continue;
       }
       if (const std::optional<FirstEvent> first = events_.ever(chance); first) {
-        answer.ever = first->probability;
+        answer.ever = probability(first->probability);
         answer.steps = first->probability > 0.0 ? first->steps : kUnknown;
       }
     }
@@ -124,14 +131,15 @@ double quantile(const std::vector<double>& sorted, double q) {
   return sorted[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
 }
 
-// No answer in the value: no figure.
+// No answer in the value: no figure. The draws are of what the counts leave open, and where hardly any draw went as far
+// as the counts themselves do, their quantiles would leave those out: the interval always holds its value.
 std::optional<Figure> figure(double value, std::vector<double> samples) {
   samples.erase(std::remove_if(samples.begin(), samples.end(), [](double x) { return std::isnan(x); }), samples.end());
   if (std::isnan(value) || samples.empty()) {
     return std::nullopt;
   }
   std::sort(samples.begin(), samples.end());
-  return Figure{value, quantile(samples, kLow), quantile(samples, kHigh)};
+  return Figure{value, std::min(value, quantile(samples, kLow)), std::max(value, quantile(samples, kHigh))};
 }
 
 template <typename Part>
@@ -172,6 +180,14 @@ Result<Verification> verify(const Chain& chain, const Tree& tree, const std::vec
   result.settings = settings;
   result.states = chain.states();
   result.reached = model.reached();
+  std::vector<std::uint8_t> policy;
+  for (std::size_t state = 0; state < chain.states(); ++state) {
+    policy.push_back(static_cast<std::uint8_t>(index_of(chain.policy(state))));
+  }
+  result.policy_reward = return_of(chain, policy, settings.steps);
+  if (chain.states() <= kMaxSolvedStates) {
+    result.most_reward = best_return(chain, settings.steps);
+  }
   std::vector<std::vector<double>> chances;
   for (const Event& event : events) {
     const EventPairs pairs = pairs_of(event, chain, world_rewards);

@@ -8,8 +8,8 @@
 #include "common/tree/action_table.hpp"
 #include "common/tree/state_columns.hpp"
 #include "common/tree/text.hpp"
-#include "coordinator/report/counted.hpp"
-#include "coordinator/report/json_line.hpp"
+#include "coordinator/console/counted.hpp"
+#include "coordinator/console/json_line.hpp"
 
 namespace coppice {
 namespace {
@@ -48,12 +48,16 @@ std::string row(const std::string& name, const std::string& ours, const std::str
 constexpr const char* kNotSolved = "not solved";
 constexpr const char* kNever = "never";
 
+// A walk that leaves the model for certain tells nothing about "ever": what would come after is not known.
+constexpr double kMostlyLeaves = 0.05;
+
+// `unless` goes behind "ever".
 std::string event_text(const EventFigures& event, const std::string& title, std::uint32_t steps,
-                       const std::string& simulator) {
+                       const std::string& simulator, const char* unless = "") {
   const bool solved = event.ever.has_value();
   std::string text =
       row(fmt::format("{} within {}", title, counted(steps, "step")), cell(event.within, percent, ""), simulator);
-  text += row(fmt::format("{} ever", title), cell(event.ever, percent, kNotSolved), "");
+  text += row(fmt::format("{} ever{}", title, unless), cell(event.ever, percent, kNotSolved), "");
   text +=
       row("  expected steps until then, where it comes", cell(event.steps, number, solved ? kNever : kNotSolved), "");
   return text;
@@ -117,13 +121,14 @@ std::string observation_text(const Vocabulary& vocabulary, std::span<const std::
   std::string text;
   for (std::size_t f = 0; f < features.size(); ++f) {
     if (shown.empty() || shown[f]) {
-      text += fmt::format("{}{}={}", text.empty() ? "" : " ", vocabulary.features[f].name, features[f]);
+      text += (text.empty() ? "" : " ") + vocabulary.features[f].reading_text(features[f]);
     }
   }
   return text.empty() ? "any" : text;
 }
 
-std::string numbered(const Tree& tree, const Vocabulary& vocabulary, const std::vector<std::string>& remarks) {
+std::string numbered(const Tree& tree, const Vocabulary& vocabulary, const Problem& problem,
+                     const std::vector<std::string>& remarks) {
   std::string text;
   const std::size_t width = std::to_string(tree.size() - 1).size();
   std::vector<std::size_t> ends;  // of the composites around the node
@@ -131,7 +136,10 @@ std::string numbered(const Tree& tree, const Vocabulary& vocabulary, const std::
     while (!ends.empty() && ends.back() <= node) {
       ends.pop_back();
     }
-    const std::string remark = node < remarks.size() ? remarks[node] : "";
+    std::string remark = in_words(tree[node], problem, vocabulary);
+    if (node < remarks.size() && !remarks[node].empty()) {
+      remark += (remark.empty() ? "" : "  ") + remarks[node];
+    }
     const std::string shown = std::string(2 * ends.size(), ' ') + to_text(tree[node], vocabulary);
     text += remark.empty() ? fmt::format("  {:>{}}  {}\n", node, width, shown)
                            : fmt::format("  {:>{}}  {:<28}  {}\n", node, width, shown, remark);
@@ -156,10 +164,20 @@ std::string to_text(const Verification& verification, const std::optional<Simula
   text += row("", "on the chain", simulated ? "in the simulator" : "");
   text += row(fmt::format("reward per episode of {}", counted(steps, "step")), cell(verification.reward, number, ""),
               simulated ? cell(simulated->reward, number, "") : "");
+  text += row("  the policy earns, and the gap",
+              fmt::format("{:.2f} ({:+.2f})", verification.policy_reward,
+                          verification.reward.value - verification.policy_reward),
+              "");
+  if (verification.most_reward) {
+    text += row("  no policy can earn more than", fmt::format("{:.2f}", *verification.most_reward), "");
+  }
   text += row("reward per step in the long run", cell(verification.reward_per_step, number, kNotSolved), "");
+  const auto& leaves = verification.untried.ever;
+  const bool mostly_leaves = leaves && leaves->value >= kMostlyLeaves;
   for (const EventFigures& event : verification.events) {
     text += event_text(event, event.name, steps,
-                       simulated && event.name == "collision" ? cell(simulated->collision, percent, "") : "");
+                       simulated && event.name == "collision" ? cell(simulated->collision, percent, "") : "",
+                       mostly_leaves ? ", before it leaves the model" : "");
   }
   text += event_text(verification.untried, "leaves the model", steps, "");
   text += row(fmt::format("  or by a successor never seen, {}", counted(steps, "step")),
@@ -174,6 +192,19 @@ std::string to_text(const Verification& verification, const std::optional<Simula
   text +=
       "leaves the model: takes an action that learning never tried in that state. Events count before that: add its\n"
       "probability for an upper bound. Successors never seen: estimated from those seen once (Good 1953).\n";
+  if (verification.intervals_too_narrow()) {
+    text += fmt::format(
+        "The intervals are too narrow: {} of the episodes come to an action or a successor that learning never saw, "
+        "and no\n"
+        "draw of the counts knows what follows. Learn longer.\n",
+        percent(verification.unseen.within.value));
+  }
+  if (mostly_leaves) {
+    text += fmt::format(
+        "\"ever\" says little here: {} of the walks leave the model, and what happens after that nobody counted.\n"
+        "Read the figures within {}, or learn longer.\n",
+        percent(leaves->value), counted(steps, "step"));
+  }
   if (verification.states > kMaxSolvedStates) {
     text += fmt::format("not solved: chains of more than {} states are not factorised.\n", kMaxSolvedStates);
   }
@@ -188,7 +219,7 @@ std::string to_text(const Verification& verification, const std::optional<Simula
   return text;
 }
 
-std::string to_text(const CheckedRule& checked, const Tree& tree, const Chain& chain) {
+std::string to_text(const CheckedRule& checked, const Tree& tree, const Chain& chain, const Problem& problem) {
   const Vocabulary& vocabulary = chain.vocabulary();
   const RuleAnswer& answer = checked.answer;
   std::string text;
@@ -212,7 +243,7 @@ std::string to_text(const CheckedRule& checked, const Tree& tree, const Chain& c
     const std::string role = role_text(answer.nodes[node], tree[node]);
     remarks.push_back(role.empty() ? "" : "<- " + role);
   }
-  return text + numbered(tree, vocabulary, remarks);
+  return text + numbered(tree, vocabulary, problem, remarks);
 }
 
 Json to_json(const Verification& verification, const std::optional<Simulated>& simulated) {
@@ -224,9 +255,13 @@ Json to_json(const Verification& verification, const std::optional<Simulated>& s
                {"resamples", verification.settings.resamples},
                {"seed", verification.settings.seed},
                {"interval", "95 % over draws of the counted rows from their Dirichlet posterior"},
+               {"intervals_too_narrow", verification.intervals_too_narrow()},
                {"states", verification.states},
                {"reached", verification.reached},
                {"reward_per_episode", json_of(verification.reward)},
+               {"policy_reward_per_episode", verification.policy_reward},
+               {"most_reward_per_episode", verification.most_reward ? nlohmann::ordered_json(*verification.most_reward)
+                                                                    : nlohmann::ordered_json()},
                {"reward_per_step", json_of(verification.reward_per_step)},
                {"events", events},
                {"leaves_by_untried_pair", json_of(verification.untried)},

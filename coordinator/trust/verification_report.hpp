@@ -8,6 +8,7 @@
 
 #include "common/chain/chain.hpp"
 #include "common/tree/tree.hpp"
+#include "coordinator/problem/problem.hpp"
 #include "coordinator/trust/rule_check.hpp"
 #include "coordinator/trust/verification.hpp"
 
@@ -26,13 +27,14 @@ Result<CheckedRule> check_on(const Rule& rule, const Tree& tree, const Chain& ch
 
 // Lines. `simulated`: beside the chain's figures those of the simulator.
 std::string to_text(const Verification& verification, const std::optional<Simulated>& simulated);
-std::string to_text(const CheckedRule& checked, const Tree& tree, const Chain& chain);
+std::string to_text(const CheckedRule& checked, const Tree& tree, const Chain& chain, const Problem& problem);
 nlohmann::ordered_json to_json(const Verification& verification, const std::optional<Simulated>& simulated);
 nlohmann::ordered_json to_json(const CheckedRule& checked, const Tree& tree, const Chain& chain);
 
-// The tree as lines of "number, indent, node", the numbers being what other commands call nodes by. `remark` of a node
-// goes behind it; may be empty.
-std::string numbered(const Tree& tree, const Vocabulary& vocabulary, const std::vector<std::string>& remarks = {});
+// The tree as lines of "number, indent, node", the numbers being what other commands call nodes by; behind a condition
+// or action what it says in words, where the problem has labels, and the node's remark, if any.
+std::string numbered(const Tree& tree, const Vocabulary& vocabulary, const Problem& problem,
+                     const std::vector<std::string>& remarks = {});
 
 // "s0=1 s3=0" of a state or an observation; of those in `shown` only, if given.
 std::string observation_text(const Vocabulary& vocabulary, std::span<const std::uint8_t> features,

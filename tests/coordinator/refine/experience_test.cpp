@@ -156,5 +156,50 @@ TEST(Experience, RefusesWhatAChainCannotCount) {
   EXPECT_EQ(extended.error().kind, ErrorKind::bad_input);
 }
 
+// Two states that look alike, a state that ends episodes and looks like neither, nothing else.
+Chain with_look_alikes() {
+  ChainParts parts;
+  parts.vocabulary = {{{"x", {0, 1, 2}}}, {"go"}};
+  parts.features = {0, 0, 1};
+  parts.row_begin = {0, 1, 2, 3};
+  parts.successor = {1, 2, 2};
+  parts.count = {1, 1, 1};
+  parts.reward_sum = {1.0, 1.0, 0.0};
+  parts.q = {0.0, 0.0, 0.0};
+  parts.policy = {ActionId{0}, ActionId{0}, ActionId{0}};
+  parts.visits = {1, 1, 1};
+  parts.look_alikes = true;
+  parts.terminals = {2};
+  return *Chain::make(std::move(parts));
+}
+
+TEST(Experience, numbers_new_states_behind_all_others_where_some_look_alike) {
+  const Chain chain = with_look_alikes();
+  Experience experience(chain);
+  const std::vector<std::uint8_t> alike = {0};
+  const std::vector<std::uint8_t> fresh = {2};
+  experience.add({.before = alike, .action = ActionId{0}, .reward = 1.0, .after = fresh});
+  const Result<Extended> extended = experience.extended();
+  ASSERT_TRUE(extended) << extended.error().message;
+  EXPECT_EQ(extended->chain.states(), 4U);
+  EXPECT_EQ(extended->gains, (Gains{.steps = 1, .states = 1, .pairs = 0, .transitions = 1}));
+  EXPECT_EQ(extended->chain.tries(0), 2U);
+}
+
+TEST(Experience, leads_a_step_that_ends_an_episode_to_a_state_that_does_and_never_goes_on_from_one) {
+  const Chain chain = with_look_alikes();
+  Experience experience(chain);
+  const std::vector<std::uint8_t> alike = {0};
+  const std::vector<std::uint8_t> end = {1};
+  experience.add({.before = alike, .action = ActionId{0}, .reward = 0.0, .after = end, .ended = true});
+  experience.add({.before = end, .action = ActionId{0}, .reward = 0.0, .after = alike});  // it looked so, and went on
+  const Result<Extended> extended = experience.extended();
+  ASSERT_TRUE(extended) << extended.error().message;
+  EXPECT_EQ(extended->chain.states(), 4U);
+  EXPECT_EQ(extended->chain.successors(0)[1], 2U);
+  EXPECT_EQ(extended->chain.tries(2), 1U);
+  EXPECT_EQ(extended->chain.tries(3), 1U);
+}
+
 }  // namespace
 }  // namespace coppice

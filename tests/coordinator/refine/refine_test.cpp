@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <stdexcept>
 
+#include "common/evolution/seeding.hpp"
 #include "common/tree/text.hpp"
-#include "coordinator/evolution/seeding.hpp"
 #include "coordinator/learning/learn.hpp"
 #include "coordinator/refine/refine_report.hpp"
 #include "tests/coordinator/evolution/small_world.hpp"
@@ -154,6 +154,40 @@ TEST_F(RefineLoop, KeepsTheRoundsBeforeAnInterruption) {
   ASSERT_FALSE(walking.has_value());
   EXPECT_EQ(walking.error().kind, ErrorKind::interrupted);
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "b"));
+}
+
+RefineRound round_with(std::uint64_t collisions, double reward) {
+  RefineRound round;
+  round.score.emplace();
+  round.score->tree.total_collisions = collisions;
+  round.score->tree.reward.mean = reward;
+  return round;
+}
+
+TEST(BestRound, CollidesLeastThenEarnsMostThenCameFirst) {
+  EXPECT_EQ(best_of({}), std::nullopt);
+  EXPECT_EQ(best_of({RefineRound{}}), std::nullopt) << "an interrupted round has no score";
+  EXPECT_EQ(best_of({round_with(0, 265.0), round_with(0, 105.0)}), 0U) << "the last is not the best for being last";
+  EXPECT_EQ(best_of({round_with(3, 300.0), round_with(1, 100.0), round_with(1, 120.0), RefineRound{}}), 2U);
+  EXPECT_EQ(best_of({round_with(1, 100.0), round_with(1, 100.0)}), 0U);
+}
+
+TEST_F(RefineLoop, HandsTheBestTreeOnEvenIfTheLastRoundWasWorse) {
+  // Whatever evolution does, round 1 answers with a tree that runs into the first wall; the start never does.
+  const Vocabulary& vocabulary = study_->chain().vocabulary();
+  const auto evolve_as_before = hooks_.evolve;
+  hooks_.evolve = [&](Study& round, const EvolveConfig& config) {
+    auto answer = evolve_as_before(round, config);
+    if (answer && configs_.size() == 1) {
+      answer->tree = parse_tree("move", vocabulary).value();
+    }
+    return answer;
+  };
+  ASSERT_TRUE(run("a").has_value());
+  ASSERT_GT(rounds_[1].score->tree.total_collisions, rounds_[0].score->tree.total_collisions);
+  const auto second = founders_of(configs_[1].ga, vocabulary).value();
+  EXPECT_EQ(second[0], parse_tree("move", vocabulary).value()) << "what was walked";
+  EXPECT_EQ(second[1], start()) << "what is best so far";
 }
 
 TEST(RefineSettings, RefusesNumbersOutOfRangeByTheirFlag) {

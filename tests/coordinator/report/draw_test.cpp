@@ -1,5 +1,6 @@
 #include "coordinator/report/draw.hpp"
 
+#include <filesystem>
 #include <gtest/gtest.h>
 #include <regex>
 #include <set>
@@ -8,6 +9,7 @@
 #include "common/chain/random.hpp"
 #include "common/tree/random_tree.hpp"
 #include "common/tree/text.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace coppice {
 namespace {
@@ -23,7 +25,7 @@ TEST(Draw, LabelsNodesAsTheThesisDoes) {
   const Vocabulary vocabulary = two_sensors();
   const auto tree = parse_tree("(selector (sequence s3=0 turn_left) near<=1 move)", vocabulary);
   ASSERT_TRUE(tree) << tree.error().message;
-  EXPECT_EQ(to_dot(*tree, vocabulary),
+  EXPECT_EQ(to_dot(*tree, vocabulary, unlabelled(vocabulary)),
             "digraph tree {\n"
             "  graph [ordering=out];\n"
             "  node [fontname=\"Helvetica\", fontsize=12];\n"
@@ -45,7 +47,18 @@ TEST(Draw, LabelsNodesAsTheThesisDoes) {
 TEST(Draw, QuotesAndBackslashesInANameCannotLeaveTheirLabel) {
   Vocabulary vocabulary = two_sensors();
   vocabulary.actions[0] = "a\"];x\\";
-  EXPECT_NE(to_dot(Tree(ActionId{0}), vocabulary).find("label=\"a\\\"];x\\\\\"];"), std::string::npos);
+  EXPECT_NE(to_dot(Tree(ActionId{0}), vocabulary, unlabelled(vocabulary)).find("label=\"a\\\"];x\\\\\"];"),
+            std::string::npos);
+}
+
+TEST(Draw, PutsWhatAConditionSaysInWordsUnderIt) {
+  const Vocabulary vocabulary = two_sensors();
+  Problem problem = unlabelled(vocabulary);
+  problem.features[0] = {"ahead", "", {{0, "a \"wall\""}}};
+  const auto tree = parse_tree("(sequence s3=0 move)", vocabulary);
+  ASSERT_TRUE(tree) << tree.error().message;
+  EXPECT_NE(to_dot(*tree, vocabulary, problem).find("label=\"s3=0\\nahead is a \\\"wall\\\"\"];"), std::string::npos)
+      << to_dot(*tree, vocabulary, problem);
 }
 
 TEST(Draw, EveryNodeButTheRootHasExactlyOneEdgeIntoIt) {
@@ -55,7 +68,7 @@ TEST(Draw, EveryNodeButTheRootHasExactlyOneEdgeIntoIt) {
   const std::regex edge("n([0-9]+) -> n([0-9]+);");
   for (int i = 0; i < 200; ++i) {
     const Tree tree = grow_tree(vocabulary, {.max_depth = 5, .max_children = 4}, true, below);
-    const std::string dot = to_dot(tree, vocabulary);
+    const std::string dot = to_dot(tree, vocabulary, unlabelled(vocabulary));
     std::set<std::size_t> children;
     std::size_t edges = 0;
     for (std::sregex_iterator match(dot.begin(), dot.end(), edge), end; match != end; ++match, ++edges) {
@@ -79,6 +92,29 @@ TEST(Draw, AnotherExtensionIsBadInputThatNamesTheThree) {
     for (const char* extension : {".svg", ".png", ".dot"}) {
       EXPECT_NE(format.error().message.find(extension), std::string::npos);
     }
+  }
+}
+
+// Restores the working directory.
+class InFolder {
+ public:
+  explicit InFolder(const std::filesystem::path& folder) { std::filesystem::current_path(folder); }
+  InFolder(const InFolder&) = delete;
+  InFolder& operator=(const InFolder&) = delete;
+  ~InFolder() { std::filesystem::current_path(before_); }
+
+ private:
+  std::filesystem::path before_ = std::filesystem::current_path();
+};
+
+TEST(Draw, ANameThatBeginsWithADashIsAName) {
+  const testing::TemporaryFolder folder;
+  const InFolder there(folder.path());
+  std::filesystem::create_directory("-weird");
+  for (const char* name : {"-Tpng.svg", "-weird/tree.png"}) {
+    const auto written = write_drawing(Tree(ActionId{0}), two_sensors(), unlabelled(two_sensors()), name);
+    EXPECT_TRUE(written) << written.error().message;
+    EXPECT_TRUE(std::filesystem::exists(name)) << name;
   }
 }
 

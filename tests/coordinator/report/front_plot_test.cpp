@@ -43,5 +43,27 @@ TEST(FrontPlot, IsDrawn) {
   EXPECT_NE(svg.find("</svg>"), std::string::npos);
 }
 
+TEST(FrontPlot, IsAPngWhereTheNameSaysSo) {
+  const testing::TemporaryFolder folder;
+  const auto written = write_front_plot(kFront, axes("collisions,return"), 1, folder / "front.png");
+  ASSERT_TRUE(written) << written.error().message;
+  std::ifstream in(folder / "front.png", std::ios::binary);
+  const std::string png{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_TRUE(png.starts_with("\x89PNG"));
+}
+
+TEST(FrontPlot, OfAnotherNameOrInAMissingFolderIsRefusedWithTheReason) {
+  const testing::TemporaryFolder folder;
+  const auto refusal = [&](const std::string& path) {
+    const auto written = write_front_plot(kFront, axes("collisions,return"), 1, path);
+    EXPECT_FALSE(written) << path;
+    return written ? "" : written.error().message;
+  };
+  const std::string jpeg = folder / "front.jpg";
+  EXPECT_EQ(refusal(jpeg), jpeg + ": picture has extension '.jpg': expected .svg or .png");
+  const std::string lost = folder / "missing/front.svg";
+  EXPECT_EQ(refusal(lost), "cannot write " + lost + ": No such file or directory");
+}
+
 }  // namespace
 }  // namespace coppice

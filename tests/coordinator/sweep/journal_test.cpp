@@ -69,5 +69,35 @@ TEST_F(Journal, RepeatsARunWhoseLineWasCutShortAndGoesOnBehindIt) {
   EXPECT_NE(open().find(second), nullptr);
 }
 
+TEST_F(Journal, RevokesWhatThisProcessAddedAndNothingElse) {
+  EvolveConfig second;
+  second.seed = 2;
+  ASSERT_TRUE(open().add(EvolveConfig{}, result()).has_value());
+  {
+    SweepJournal journal = open();
+    ASSERT_TRUE(journal.add(second, result()).has_value());
+    EXPECT_EQ(journal.revoke_added(), 1U);
+    EXPECT_EQ(journal.find(second), nullptr);
+  }
+  SweepJournal again = open();
+  EXPECT_EQ(again.find(second), nullptr);
+  EXPECT_NE(again.find(EvolveConfig{}), nullptr);
+  ASSERT_TRUE(again.add(second, result()).has_value());
+  EXPECT_NE(open().find(second), nullptr);
+}
+
+TEST_F(Journal, TellsTheFirstLineOfAnotherSweep) {
+  EvolveConfig second;
+  second.seed = 2;
+  ASSERT_TRUE(open().add(EvolveConfig{}, result()).has_value());
+  ASSERT_TRUE(open().add(second, result()).has_value());
+  ASSERT_TRUE(open(5, 2).add(EvolveConfig{}, result()).has_value());
+  const SweepRun first_run{.setting = 0, .config = {}};
+  const SweepRun second_run{.setting = 0, .config = second};
+  EXPECT_EQ(open().line_beside({first_run, second_run}), 3U);
+  EXPECT_EQ(open().line_beside({first_run}), 2U);
+  EXPECT_EQ(open(5, 2).line_beside({first_run}), 1U);
+}
+
 }  // namespace
 }  // namespace coppice

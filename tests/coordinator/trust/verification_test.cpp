@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "common/tree/text.hpp"
+#include "coordinator/trust/verification_report.hpp"
 #include "tests/oracles/chains.hpp"
 
 namespace coppice {
@@ -92,6 +93,24 @@ TEST(Verify, NeverSeenSuccessorsAreEstimatedFromThoseSeenOnce) {
   EXPECT_NEAR(found->unseen.within.high, 1.0 - std::pow(0.025, 1.0 / 9.0), 0.03);
 }
 
+TEST(Verify, SaysThatIntervalsAreTooNarrowWhereMuchWasNeverSeen) {
+  VerifySettings settings;
+  settings.steps = 4;
+  const auto found = [&](std::uint32_t once, std::uint32_t often) {
+    const Chain chain = fork(once, often);
+    return *verify(chain, tree_of("go", chain), {}, {}, settings, {});
+  };
+  const Verification few = found(1, 9);  // two chances in four steps, 0.1 each, to come to what was not seen
+  EXPECT_GT(few.unseen.within.value, kTooOftenUnseen);
+  EXPECT_TRUE(few.intervals_too_narrow());
+  EXPECT_NE(to_text(few, {}).find("The intervals are too narrow: 19.00 %"), std::string::npos) << to_text(few, {});
+  EXPECT_EQ(to_json(few, {})["intervals_too_narrow"], true);
+  const Verification many = found(30, 70);
+  EXPECT_FALSE(many.intervals_too_narrow());
+  EXPECT_EQ(to_text(many, {}).find("too narrow"), std::string::npos);
+  EXPECT_EQ(to_json(many, {})["intervals_too_narrow"], false);
+}
+
 TEST(Verify, TheSameSeedGivesTheSameIntervals) {
   const Chain chain = oracles::random_chain({.states = 80, .actions = 3, .seed = 4});
   const Tree tree = tree_of("(selector (sequence f0=0 a1) a0)", chain);
@@ -100,6 +119,55 @@ TEST(Verify, TheSameSeedGivesTheSameIntervals) {
   VerifySettings other;
   other.seed = 2;
   EXPECT_NE(once()->reward.low, verify(chain, tree, {}, {}, other, {})->reward.low);
+}
+
+TEST(Verify, AProbabilityIsAtMostOneAndLiesInItsInterval) {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    const Chain chain = oracles::random_chain({.states = 60, .actions = 3, .seed = seed});
+    const Tree tree = tree_of("(selector (sequence f0=0 a1) a0)", chain);
+    VerifySettings settings;
+    settings.resamples = kFewestResamples;
+    settings.seed = seed;
+    const std::vector<Event> events = {{.name = "some", .at_most = false, .bound = 0.0},
+                                       {.name = "any", .at_most = false, .bound = -1e9}};
+    const auto found = verify(chain, tree, events, {}, settings, {});
+    ASSERT_TRUE(found) << found.error().message;
+    const auto check = [&](const std::optional<Figure>& figure, bool is_probability) {
+      if (!figure) {
+        return;
+      }
+      EXPECT_LE(figure->low, figure->value) << seed;
+      EXPECT_GE(figure->high, figure->value) << seed;
+      if (is_probability) {
+        EXPECT_GE(figure->low, 0.0) << seed;
+        EXPECT_LE(figure->high, 1.0) << seed;
+      }
+    };
+    check(found->reward, false);
+    check(found->reward_per_step, false);
+    std::vector<EventFigures> all = found->events;
+    all.push_back(found->untried);
+    all.push_back(found->unseen);
+    for (const EventFigures& event : all) {
+      check(event.within, true);
+      check(event.ever, true);
+      check(event.steps, false);
+    }
+  }
+}
+
+TEST(Verify, SaysThatEverMeansLittleWhereTheWalkLeavesTheModel) {
+  const Chain chain = fork(30, 70);
+  VerifySettings settings;
+  settings.steps = 2;
+  const std::vector<Event> five = {{.name = "five", .at_most = false, .bound = 5.0}};
+  const std::string leaving =
+      to_text(*verify(chain, tree_of("(selector (sequence f=1 stay) go)", chain), five, {}, settings, {}), {});
+  EXPECT_NE(leaving.find("five ever, before it leaves the model"), std::string::npos) << leaving;
+  EXPECT_NE(leaving.find("\"ever\" says little here: 100 %"), std::string::npos) << leaving;
+  const std::string staying = to_text(*verify(chain, tree_of("go", chain), five, {}, settings, {}), {});
+  EXPECT_EQ(staying.find("says little"), std::string::npos) << staying;
+  EXPECT_EQ(staying.find("before it leaves"), std::string::npos) << staying;
 }
 
 TEST(Verify, CanBeInterrupted) {

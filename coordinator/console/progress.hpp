@@ -14,11 +14,11 @@ namespace coppice {
 using Clock = std::chrono::steady_clock;
 
 struct ProgressSettings {
-  bool redraw = false;                           // one line, redrawn; else plain lines
-  std::size_t columns = 80;                      // of the terminal; a redrawn line never wraps
-  std::chrono::milliseconds redraw_every{100};   // at most this often
-  std::chrono::milliseconds plain_every{10000};  // plain: a line when this much time has passed; 0: never
-  std::uint64_t plain_every_done = 0;            // plain: a line at each multiple of this many done; 0: never
+  bool redraw = false;                          // one line, redrawn; else plain lines
+  std::size_t columns = 80;                     // of the terminal; a redrawn line never wraps
+  std::chrono::milliseconds redraw_every{100};  // at most this often
+  std::chrono::milliseconds plain_every{5000};  // plain: a line when this much time has passed; 0: never
+  std::uint64_t plain_every_done = 0;           // plain: a line at each multiple of this many done; 0: never
 };
 
 // redraw and columns as the terminal behind `out` has them.

@@ -1,4 +1,4 @@
-#include "coordinator/report/whole_file.hpp"
+#include "coordinator/console/whole_file.hpp"
 
 #include <cerrno>
 #include <fcntl.h>
@@ -32,7 +32,9 @@ Result<std::filesystem::path> without_links(std::filesystem::path path) {
 // Hidden, in the same folder (a rename must not cross file systems), and named by the process so that two runs do not
 // meet.
 std::filesystem::path temporary_beside(const std::filesystem::path& path) {
-  return path.parent_path() / fmt::format(".{}.{}.part", path.filename().string(), getpid());
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  // Absolute: the programs that draw would take a name that begins with '-' for a flag.
+  return std::filesystem::absolute(folder) / fmt::format(".{}.{}.part", path.filename().string(), getpid());
 }
 
 // A rename that reaches the disk before its content would leave an empty file after a power cut.
@@ -85,7 +87,15 @@ Result<void> write_there(const std::filesystem::path& path, const Produce& produ
     return produce(path);
   }
   const Result<std::filesystem::path> target = without_links(path);
-  return target ? replace(*target, before, produce) : tl::unexpected(target.error());
+  if (!target) {
+    return tl::unexpected(target.error());
+  }
+  // Said here, because another program that is to write there may fail without a reason.
+  const std::filesystem::path folder = target->has_parent_path() ? target->parent_path() : ".";
+  if (!std::filesystem::is_directory(folder, error)) {
+    return failed(reason(std::filesystem::exists(folder, error) ? ENOTDIR : ENOENT));
+  }
+  return replace(*target, before, produce);
 }
 
 }  // namespace

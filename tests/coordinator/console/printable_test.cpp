@@ -1,4 +1,4 @@
-#include "coordinator/report/printable.hpp"
+#include "coordinator/console/printable.hpp"
 
 #include <gtest/gtest.h>
 #include <string>

@@ -1,4 +1,4 @@
-#include "coordinator/report/progress.hpp"
+#include "coordinator/console/progress.hpp"
 
 #include <array>
 #include <cstdio>

@@ -30,7 +30,12 @@ class LineBudget {
   std::uint64_t left_out_ = 0;
 };
 
+enum class LogFormat : std::uint8_t {
+  text,  // "coppice: ..."
+  json,  // common/json_log.hpp
+};
+
 // Makes the default logger of spdlog, safe from any thread. On a terminal a redrawn progress line is cleared first.
-void log_to(std::FILE* out, spdlog::level::level_enum level);
+void log_to(std::FILE* out, spdlog::level::level_enum level, LogFormat format = LogFormat::text);
 
 }  // namespace coppice

@@ -1,4 +1,4 @@
-#include "coordinator/report/whole_file.hpp"
+#include "coordinator/console/whole_file.hpp"
 
 #include <filesystem>
 #include <fstream>

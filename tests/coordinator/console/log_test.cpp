@@ -1,9 +1,12 @@
-#include "coordinator/report/log.hpp"
+#include "coordinator/console/log.hpp"
 
 #include <array>
 #include <cstdio>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <regex>
 #include <spdlog/spdlog.h>
+#include <sstream>
 #include <string>
 
 namespace coppice {
@@ -38,6 +41,32 @@ TEST(Log, LinesArePrintableAndLessUrgentOnesStayAway) {
   const std::size_t size = std::fread(bytes.data(), 1, bytes.size(), file);
   std::fclose(file);
   EXPECT_EQ(std::string(bytes.data(), size), "coppice: worker \\x1b[2J left\n");
+}
+
+TEST(Log, AsJsonIsOneObjectALineWhateverAMessageHolds) {
+  std::FILE* file = std::tmpfile();
+  ASSERT_NE(file, nullptr);
+  const auto before = spdlog::default_logger();
+  log_to(file, spdlog::level::warn, LogFormat::json);
+  spdlog::warn("a \"quote\",\na new line and \xff");
+  spdlog::error("second");
+  spdlog::set_default_logger(before);
+  std::rewind(file);
+  std::array<char, 2000> bytes{};
+  const std::string text(bytes.data(), std::fread(bytes.data(), 1, bytes.size(), file));
+  std::fclose(file);
+  std::istringstream lines(text);
+  std::string line;
+  ASSERT_TRUE(std::getline(lines, line));
+  const auto first = nlohmann::json::parse(line);
+  EXPECT_EQ(first["level"], "warning");
+  EXPECT_EQ(first["program"], "coppice");
+  EXPECT_EQ(first["message"], "a \"quote\",\na new line and \xef\xbf\xbd");
+  EXPECT_TRUE(
+      std::regex_match(first["time"].get<std::string>(), std::regex(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z)")));
+  ASSERT_TRUE(std::getline(lines, line));
+  EXPECT_EQ(nlohmann::json::parse(line)["message"], "second");
+  EXPECT_FALSE(std::getline(lines, line));
 }
 
 }  // namespace

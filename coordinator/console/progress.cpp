@@ -1,4 +1,4 @@
-#include "coordinator/report/progress.hpp"
+#include "coordinator/console/progress.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <unistd.h>
 #include <utility>
 
-#include "coordinator/report/best_effort.hpp"
-#include "coordinator/report/printable.hpp"
+#include "coordinator/console/best_effort.hpp"
+#include "coordinator/console/printable.hpp"
 
 namespace coppice {
 namespace {

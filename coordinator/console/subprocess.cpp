@@ -1,4 +1,4 @@
-#include "coordinator/report/program.hpp"
+#include "coordinator/console/subprocess.hpp"
 
 #include <array>
 #include <cerrno>
@@ -16,7 +16,7 @@
 #include <unistd.h>
 
 #include "common/check.hpp"
-#include "coordinator/report/printable.hpp"
+#include "coordinator/console/printable.hpp"
 
 namespace coppice {
 namespace {

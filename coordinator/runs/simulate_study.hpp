@@ -1,0 +1,33 @@
+// A tree in the simulator of a study: the problem's own, or that of its world.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/error.hpp"
+#include "common/stop.hpp"
+#include "common/tree/tree.hpp"
+#include "coordinator/learning/simulate.hpp"
+#include "coordinator/learning/world.hpp"
+#include "coordinator/study/study.hpp"
+
+namespace coppice {
+
+// Whether world_of() finds one.
+bool has_simulator(const Study& study);
+
+// The problem's own simulator, if `simulator` (a command) or the study names one, else the study's world. Errors: it
+// has none.
+Result<World> world_of(const Study& study, const std::string& simulator = {});
+
+// Keeps the command in the study, if one is given, for the next time: to be called once it has served. Errors: as
+// Study::open() and Study::save_problem().
+Result<void> keep_simulator(const std::string& study_path, const std::string& simulator);
+
+// Nothing where the study has no world and no simulator. Errors name the flag, as check_score_settings(); interrupted.
+Result<std::optional<std::vector<EpisodeRecord>>> simulated(const Study& study, const Tree& tree,
+                                                            const SimulateSettings& settings,
+                                                            const std::string& simulator, const StopFlag& stop);
+
+}  // namespace coppice
