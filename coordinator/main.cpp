@@ -13,10 +13,12 @@
 
 #include "common/stop.hpp"
 #include "common/version.hpp"
+#include "coordinator/commands/command_groups.hpp"
 #include "coordinator/commands/commands.hpp"
-#include "coordinator/report/best_effort.hpp"
-#include "coordinator/report/log.hpp"
-#include "coordinator/report/printable.hpp"
+#include "coordinator/commands/did_you_mean.hpp"
+#include "coordinator/console/best_effort.hpp"
+#include "coordinator/console/log.hpp"
+#include "coordinator/console/printable.hpp"
 
 namespace {
 
@@ -85,9 +87,14 @@ int run(int argc, char** argv) {
   app.add_option("--log-level", log_level, "What to log to standard error; goes before the command")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
       ->capture_default_str();
-  app.footer("'coppice COMMAND --help' explains a command. To begin: coppice run");
+  std::string log_format = "text";
+  app.add_option("--log-format", log_format, "Lines of text, or a JSON object a line; goes before the command")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
+  app.footer("'coppice help COMMAND' explains a command, 'coppice help' lists topics. To begin: coppice run");
   coppice::add_run(app, invocation);
   coppice::add_learn(app, invocation);
+  coppice::add_import(app, invocation);
   coppice::add_evolve(app, invocation);
   coppice::add_refine(app, invocation);
   coppice::add_score(app, invocation);
@@ -96,7 +103,10 @@ int run(int argc, char** argv) {
   coppice::add_edit(app, invocation);
   coppice::add_prune(app, invocation);
   coppice::add_draw(app, invocation);
+  coppice::add_export(app, invocation);
   coppice::add_front(app, invocation);
+  coppice::add_report(app, invocation);
+  coppice::add_studio(app, invocation);
   coppice::add_table(app, invocation);
   coppice::add_evaluate(app, invocation);
   coppice::add_synth(app, invocation);
@@ -105,6 +115,11 @@ int run(int argc, char** argv) {
   coppice::add_workers(app, invocation);
   coppice::add_sweep(app, invocation);
   coppice::add_bench(app, invocation);
+  coppice::add_check(app, invocation);
+  coppice::add_backup(app, invocation);
+  coppice::add_help(app, invocation);
+  coppice::add_completion(app, invocation);
+  coppice::group_commands(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& shown) {  // --help, --version
@@ -113,14 +128,23 @@ int run(int argc, char** argv) {
     return flushed ? 0 : complain(flushed.error().message, kExitFailed);
   } catch (const CLI::ParseError& error) {
     if (app.get_subcommands().empty() && !app.remaining().empty()) {
-      return complain(fmt::format("'{}' is no command (see coppice --help)", app.remaining().front()), kExitWrongUse);
+      const std::string word = app.remaining().front();
+      return complain(fmt::format("'{}' is no command{} (see coppice --help)", word, coppice::did_you_mean(word, app)),
+                      kExitWrongUse);
+    }
+    if (const auto chosen = app.get_subcommands(); !chosen.empty() && !chosen.front()->remaining().empty()) {
+      const std::string word = chosen.front()->remaining().front();
+      return complain(fmt::format("{}: '{}' was not expected{} (see {} --help)", chosen.front()->get_name(), word,
+                                  coppice::did_you_mean(word, *chosen.front()), spoken_to(app)),
+                      kExitWrongUse);
     }
     return complain(fmt::format("{} (see {} --help)", error.what(), spoken_to(app)), kExitWrongUse);
   }
   if (const Result<void> checked = check_nothing_empty(app); !checked) {
     return complain(fmt::format("{} (see {} --help)", checked.error().message, spoken_to(app)), kExitWrongUse);
   }
-  coppice::log_to(stderr, spdlog::level::from_str(log_level));
+  coppice::log_to(stderr, spdlog::level::from_str(log_level),
+                  log_format == "json" ? coppice::LogFormat::json : coppice::LogFormat::text);
   Result<void> done = invocation.chosen();
   if (done) {
     done = flush_output();

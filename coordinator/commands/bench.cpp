@@ -9,13 +9,14 @@
 
 #include "common/duration.hpp"
 #include "coordinator/bench/bench_report.hpp"
+#include "coordinator/bench/demes_report.hpp"
 #include "coordinator/bench/machine.hpp"
 #include "coordinator/bench/pacing.hpp"
 #include "coordinator/bench/scaling.hpp"
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/evaluator_option.hpp"
 #include "coordinator/commands/whole_number.hpp"
-#include "coordinator/dispatch/local_workers.hpp"
+#include "coordinator/fleet/local_workers.hpp"
 #include "coordinator/learning/learn.hpp"
 #include "coordinator/study/study.hpp"
 
@@ -38,6 +39,8 @@ struct Options {
   std::string slow;  // K:DURATION
   std::uint32_t population = 0;
   bool transfer = false;
+  bool demes = false;
+  std::vector<std::string> plan;  // hosts=N cores=N
   bool json = false;
 };
 
@@ -195,6 +198,49 @@ Result<void> bench_scaling(const ScalingSettings& settings, const std::vector<Wo
   return {};
 }
 
+// "hosts=64" "cores=16".
+Result<Hosts> hosts_of(const std::vector<std::string>& words) {
+  Hosts hosts;
+  for (const std::string& word : words) {
+    const std::size_t equals = word.find('=');
+    const std::string name = word.substr(0, equals);
+    std::uint32_t* const field = name == "hosts" ? &hosts.hosts : name == "cores" ? &hosts.cores : nullptr;
+    const char* const begin = word.data() + std::min(word.size(), equals + 1);
+    const char* const end = word.data() + word.size();
+    if (equals == std::string::npos || field == nullptr || std::from_chars(begin, end, *field).ptr != end ||
+        *field < 1 || *field > kMostThreads * kMostThreads) {
+      return bad_input(fmt::format("--plan: '{}' found: expected hosts=N and cores=N, as in hosts=64 cores=16", word));
+    }
+  }
+  return hosts;
+}
+
+Result<void> bench_demes(const ScalingSettings& settings, const std::shared_ptr<const Chain>& chain,
+                         const std::optional<Hosts>& hosts, bool json, const StopFlag& stop) {
+  const auto scaling = measure_demes(chain, deme_workloads(), settings, stop, [&](const DemeScaling& workload) {
+    if (!json) {
+      print_now(to_text(workload));
+    }
+  });
+  if (!scaling) {
+    return tl::unexpected(scaling.error());
+  }
+  if (json) {
+    print_now(to_json(settings, *scaling, hosts) + "\n");
+    return {};
+  }
+  if (hosts) {
+    for (const DemeScaling& workload : *scaling) {
+      print_now(to_text(workload, *hosts, plan_of(workload, *hosts)));
+    }
+  }
+  print_now(
+      "a run: with its last comparison, median and half the distance of the quartiles. runs at once: serial runs, each "
+      "its own: what\nthe cores give. bytes/ind: payload, both ways, of an individual evaluated. busy/epoch: processor "
+      "time of the coordinator.\nEvery run ended as the serial one.\n");
+  return {};
+}
+
 Result<void> bench_command(const Options& options, const StopFlag& stop) {
   EvaluatorOption local;
   local.worker_program = options.worker_program;
@@ -213,6 +259,14 @@ Result<void> bench_command(const Options& options, const StopFlag& stop) {
       return tl::unexpected(settings.error());
     }
     pacing = std::move(*settings);
+  }
+  std::optional<Hosts> hosts;
+  if (!options.plan.empty()) {
+    const auto read = hosts_of(options.plan);
+    if (!read) {
+      return tl::unexpected(read.error());
+    }
+    hosts = *read;
   }
   const auto chain = chain_of(options, stop);
   if (!chain) {
@@ -245,6 +299,9 @@ Result<void> bench_command(const Options& options, const StopFlag& stop) {
                                  .worker_program = program->worker_program,
                                  .security = options.security,
                                  .cores = machine.cores};
+  if (options.demes || hosts) {
+    return bench_demes(settings, *chain, hosts, options.json, stop);
+  }
   return bench_scaling(settings, *workloads, *chain, machine, options.json, stop);
 }
 
@@ -282,6 +339,16 @@ void add_bench(CLI::App& app, Invocation& invocation) {
   command->add_flag("--transfer", options->transfer, "How fast the chain reaches a worker instead, beside bare DDS")
       ->excludes(pace)
       ->excludes(workloads);
+  command->add_flag("--demes", options->demes, "Whole evolutions in demes instead: on threads and on workers")
+      ->excludes(pace)
+      ->excludes(workloads);
+  command
+      ->add_option("--plan", options->plan,
+                   "With --demes, which it implies: how they would do on such hosts, and what limits them")
+      ->type_name("hosts=N cores=N")
+      ->expected(2)
+      ->excludes(pace)
+      ->excludes(workloads);
   command
       ->add_option("--worker-program", options->worker_program,
                    "What to start (default: coppice-worker beside this program, or on PATH)")
@@ -298,6 +365,7 @@ void add_bench(CLI::App& app, Invocation& invocation) {
       "  coppice bench --workers 1,2,1x2\n"
       "  coppice bench --transfer --study large.coppice\n"
       "  coppice bench --pace 2ms --workers 1,8,64\n"
+      "  coppice bench --workers 1,2 --plan hosts=64 cores=16\n"
       "  coppice bench --pace 2ms --workers 20 --slow 1:20ms");
   command->callback([&invocation, options] {
     invocation.chosen = [&invocation, options] { return bench_command(*options, invocation.stop); };

@@ -20,6 +20,7 @@ struct Invocation {
 
 // REQUIRES: `invocation` outlives `app`.
 void add_learn(CLI::App& app, Invocation& invocation);
+void add_import(CLI::App& app, Invocation& invocation);
 void add_evolve(CLI::App& app, Invocation& invocation);
 void add_evaluate(CLI::App& app, Invocation& invocation);
 void add_score(CLI::App& app, Invocation& invocation);
@@ -29,14 +30,22 @@ void add_explain(CLI::App& app, Invocation& invocation);
 void add_edit(CLI::App& app, Invocation& invocation);
 void add_table(CLI::App& app, Invocation& invocation);
 void add_prune(CLI::App& app, Invocation& invocation);
+void add_export(CLI::App& app, Invocation& invocation);
 void add_draw(CLI::App& app, Invocation& invocation);
 void add_synth(CLI::App& app, Invocation& invocation);
 void add_info(CLI::App& app, Invocation& invocation);
 void add_sweep(CLI::App& app, Invocation& invocation);
 void add_bench(CLI::App& app, Invocation& invocation);
 void add_refine(CLI::App& app, Invocation& invocation);
+void add_report(CLI::App& app, Invocation& invocation);
+void add_studio(CLI::App& app, Invocation& invocation);
 void add_reproduce(CLI::App& app, Invocation& invocation);
 void add_workers(CLI::App& app, Invocation& invocation);
 void add_run(CLI::App& app, Invocation& invocation);
+void add_check(CLI::App& app, Invocation& invocation);
+void add_backup(CLI::App& app, Invocation& invocation);
+void add_help(CLI::App& app, Invocation& invocation);
+// REQUIRES: called after all others, which it is about.
+void add_completion(CLI::App& app, Invocation& invocation);
 
 }  // namespace coppice

@@ -9,11 +9,13 @@
 
 #include "common/tree/text.hpp"
 #include "coordinator/commands/commands.hpp"
+#include "coordinator/commands/output_option.hpp"
 #include "coordinator/commands/simulate_option.hpp"
 #include "coordinator/commands/study_tree.hpp"
-#include "coordinator/report/json_line.hpp"
+#include "coordinator/console/json_line.hpp"
+#include "coordinator/console/whole_file.hpp"
 #include "coordinator/report/score.hpp"
-#include "coordinator/report/whole_file.hpp"
+#include "coordinator/runs/simulate_study.hpp"
 #include "coordinator/trust/tree_figures.hpp"
 #include "coordinator/trust/verification_report.hpp"
 
@@ -27,7 +29,7 @@ struct Options {
   std::vector<std::string> replacements;
   std::vector<std::string> insertions;
   std::vector<std::string> deletions;
-  std::string output;
+  OutputOption output;
   SimulateOption simulate;
   bool json = false;
 };
@@ -52,9 +54,9 @@ Result<std::vector<TreeEdit>> edits_of(const Options& options, const Vocabulary&
 }
 
 Result<TreeFigures> scored(const Tree& tree, const Study& study, const SimulateSettings& settings,
-                           const StopFlag& stop) {
+                           const std::string& simulator, const StopFlag& stop) {
   TreeFigures figures = figures_of(study.chain(), tree, settings.steps);
-  const auto episodes = simulated(study, tree, settings, stop);
+  const auto episodes = simulated(study, tree, settings, simulator, stop);
   if (!episodes) {
     return tl::unexpected(episodes.error());
   }
@@ -80,16 +82,15 @@ Json json_of(const Tree& tree, const TreeFigures& figures, const Vocabulary& voc
 }
 
 Result<void> edit_command(const Options& options, const StopFlag& stop) {
+  const auto& [path, force] = options.output;
+  if (const Result<void> checked = check_output("-o", path, force, options.tree.study); !checked) {
+    return checked;
+  }
   const Result<StudyTree> given = open_study_tree(options.tree);
   if (!given) {
     return tl::unexpected(given.error());
   }
   const auto& [study, tree] = *given;
-  if (!options.output.empty()) {
-    if (const Result<void> checked = check_other_file("-o", options.output, options.tree.study); !checked) {
-      return checked;
-    }
-  }
   const Vocabulary& vocabulary = study.chain().vocabulary();
   const Result<std::vector<TreeEdit>> edits = edits_of(options, vocabulary);
   if (!edits) {
@@ -103,16 +104,17 @@ Result<void> edit_command(const Options& options, const StopFlag& stop) {
   if (const Result<void> checked = check_score_settings(settings); !checked) {
     return checked;
   }
-  const Result<TreeFigures> before = scored(tree, study, settings, stop);
+  const Result<TreeFigures> before = scored(tree, study, settings, options.simulate.simulator, stop);
   if (!before) {
     return tl::unexpected(before.error());
   }
-  const Result<TreeFigures> after = edits->empty() ? before : scored(*edited, study, settings, stop);
+  const Result<TreeFigures> after =
+      edits->empty() ? before : scored(*edited, study, settings, options.simulate.simulator, stop);
   if (!after) {
     return tl::unexpected(after.error());
   }
-  if (!options.output.empty()) {
-    if (const auto written = write_whole_file(options.output, to_text(*edited, vocabulary) + "\n"); !written) {
+  if (!path.empty()) {
+    if (const auto written = write_whole_file(path, to_text(*edited, vocabulary) + "\n"); !written) {
       return written;
     }
   }
@@ -122,11 +124,12 @@ Result<void> edit_command(const Options& options, const StopFlag& stop) {
     return {};
   }
   if (edits->empty()) {
-    fmt::print("{}\n{}", numbered(tree, vocabulary), side_by_side({"now"}, {*before}));
+    fmt::print("{}\n{}", numbered(tree, vocabulary, study.problem()), side_by_side({"now"}, {*before}));
     return {};
   }
-  fmt::print("before:\n{}\nafter:\n{}\n{}{}\n", numbered(tree, vocabulary), numbered(*edited, vocabulary),
-             side_by_side({"before", "after"}, {*before, *after}), to_text(*edited, vocabulary));
+  fmt::print("before:\n{}\nafter:\n{}\n{}{}\n", numbered(tree, vocabulary, study.problem()),
+             numbered(*edited, vocabulary, study.problem()), side_by_side({"before", "after"}, {*before, *after}),
+             to_text(*edited, vocabulary));
   return {};
 }
 
@@ -143,7 +146,7 @@ void add_edit(CLI::App& app, Invocation& invocation) {
   add_change("--insert", options->insertions,
              "Insert a child into node N, in front of its child number P; may be repeated", "'N P SUBTREE'");
   add_change("--delete", options->deletions, "Delete node N and what is under it; may be repeated", "N");
-  command->add_option("-o,--output", options->output, "Write the tree to this file")->type_name("FILE");
+  add_output_option(*command, options->output, "Write the tree to this file");
   add_simulate_option(*command, options->simulate);
   command->add_flag("--json", options->json, "Report as one JSON object");
   command->footer(

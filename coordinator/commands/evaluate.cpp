@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "common/chain/exact.hpp"
+#include "common/evolution/config.hpp"
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/evaluator_option.hpp"
 #include "coordinator/commands/standard_input.hpp"
-#include "coordinator/commands/tree_lines.hpp"
 #include "coordinator/commands/whole_number.hpp"
-#include "coordinator/evolution/config.hpp"
-#include "coordinator/report/json_line.hpp"
+#include "coordinator/console/json_line.hpp"
+#include "coordinator/runs/tree_lines.hpp"
 #include "coordinator/study/study.hpp"
 
 namespace coppice {

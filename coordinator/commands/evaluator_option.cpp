@@ -12,12 +12,13 @@
 #include <utility>
 
 #include "coordinator/commands/whole_number.hpp"
-#include "coordinator/dispatch/local_workers.hpp"
+#include "coordinator/fleet/local_workers.hpp"
 
 namespace coppice {
 namespace {
 
 constexpr std::size_t kMostLocalWorkers = LocalWorkers::kMaxWorkers;
+constexpr std::size_t kMostThreads = 1024;
 constexpr std::uint32_t kHighestDomain = 230;  // of DDS; above it the ports of RTPS run out
 constexpr double kRemoteCrossCheck = 0.01;
 constexpr std::uint32_t kLongestWait = 7 * 24 * 3600;
@@ -45,6 +46,12 @@ void add_evaluator_option(CLI::App& command, EvaluatorOption& option) {
       command.add_option("--workers", option.workers, "Start N worker processes on this machine (default: one a core)");
   workers->type_name("N")->check(whole_number(1, kMostLocalWorkers));
   CLI::Option* serial = command.add_flag("--serial", option.serial, "Evaluate in this process");
+  command
+      .add_option("--threads", option.threads,
+                  "With --serial: run up to N demes (ga.demes) at once; the result is the same (default: one a core)")
+      ->type_name("N")
+      ->check(whole_number(1, kMostThreads))
+      ->needs(serial);
   CLI::Option* remote = command.add_flag("--remote", option.remote,
                                          "Use workers that were started by hand, here or on other hosts "
                                          "(coppice-worker --coordinator HOST); waits until one is there");
@@ -91,6 +98,8 @@ Result<EvaluatorChoice> evaluator_choice(const EvaluatorOption& option) {
   EvaluatorChoice choice;
   if (option.serial) {
     choice.kind = EvaluatorChoice::Kind::serial;
+    choice.threads =
+        option.threads.value_or(std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, kMostThreads));
   } else if (option.remote) {
     choice.kind = EvaluatorChoice::Kind::remote;
   } else {
@@ -122,18 +131,6 @@ Result<EvaluatorChoice> evaluator_choice(const EvaluatorOption& option) {
     choice.wait_limit = std::chrono::seconds(*option.wait_seconds);
   }
   return choice;
-}
-
-std::string in_words(const EvaluatorChoice& choice) {
-  switch (choice.kind) {
-    case EvaluatorChoice::Kind::serial:
-      return "serial";
-    case EvaluatorChoice::Kind::local:
-      return fmt::format("{} local worker{}", choice.workers, choice.workers == 1 ? "" : "s");
-    case EvaluatorChoice::Kind::remote:
-      break;
-  }
-  return "remote workers";
 }
 
 }  // namespace coppice

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "coordinator/dispatch/open_evaluator.hpp"
+#include "coordinator/fleet/open_evaluator.hpp"
 
 namespace CLI {
 class App;
@@ -17,6 +17,7 @@ namespace coppice {
 struct EvaluatorOption {
   std::optional<std::size_t> workers;
   bool serial = false;
+  std::optional<std::size_t> threads;
   bool remote = false;
   std::optional<std::string> interface;
   std::string security;
@@ -31,8 +32,5 @@ void add_evaluator_option(CLI::App& command, EvaluatorOption& option);
 
 // What open_evaluator() takes. Errors name the flag; a worker program that cannot be started is among them.
 Result<EvaluatorChoice> evaluator_choice(const EvaluatorOption& option);
-
-// "serial", "2 local workers", "remote workers": kept with a run.
-std::string in_words(const EvaluatorChoice& choice);
 
 }  // namespace coppice

@@ -7,7 +7,10 @@
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/evaluator_option.hpp"
 #include "coordinator/commands/evolve_options.hpp"
+#include "coordinator/commands/evolve_progress.hpp"
 #include "coordinator/commands/whole_number.hpp"
+#include "coordinator/runs/evolve_report.hpp"
+#include "coordinator/runs/simulate_study.hpp"
 
 namespace coppice {
 namespace {
@@ -19,11 +22,15 @@ struct Options {
   std::optional<std::uint64_t> seed;
   bool resume = false;
   bool take_over = false;
+  std::optional<std::int64_t> run;
   bool json = false;
 };
 
-// The last run that did not reach its end; whether somebody still runs it, resume_run() finds out.
-Result<RunId> run_to_resume(const Study& study) {
+// The run asked for, or the last that did not reach its end; whether it can go on, resume_run() finds out.
+Result<RunId> run_to_resume(const Study& study, std::optional<std::int64_t> wanted) {
+  if (wanted) {
+    return RunId{*wanted};
+  }
   const Result<std::vector<RunRecord>> runs = study.runs();
   if (!runs) {
     return tl::unexpected(runs.error());
@@ -47,27 +54,29 @@ Result<void> evolve_command(const Options& options, const StopFlag& stop) {
   }
   EvolveTask task;
   task.evaluator = *evaluator;
-  task.lines_every = options.evolution.lines_every;
   if (options.resume) {
-    const Result<RunId> run = run_to_resume(*study);
+    const Result<RunId> run = run_to_resume(*study, options.run);
     if (!run) {
       return tl::unexpected(run.error());
     }
     task.resumed = *run;
     task.take_over = options.take_over;
   } else {
-    Result<EvolveConfig> config = evolve_config(options.evolution, options.seed, study->chain().vocabulary());
+    Result<EvolveConfig> config = evolve_config(options.evolution, options.seed,
+                                                {.vocabulary = study->chain().vocabulary(),
+                                                 .discount = study->problem().discount,
+                                                 .simulated = has_simulator(*study)});
     if (!config) {
       return tl::unexpected(config.error());
     }
     task.config = std::move(*config);
   }
-  const Result<EvolveReport> report = evolve_in_study(*study, task, stop);
+  const Result<EvolveReport> report = evolve_shown(*study, task, options.evolution.lines_every, stop);
   if (!report) {
     return tl::unexpected(report.error());
   }
-  fmt::print("{}{}", options.json ? report->json : report->text, options.json ? "\n" : "");
-  if (report->interrupted) {
+  fmt::print("{}{}", options.json ? to_json(*report, *study) : to_text(*report, *study), options.json ? "\n" : "");
+  if (report->interrupted()) {
     return tl::unexpected(Error{ErrorKind::interrupted, fmt::format("interrupted; {}", resume_hint(*study))});
   }
   return {};
@@ -86,6 +95,10 @@ void add_evolve(CLI::App& app, Invocation& invocation) {
   CLI::Option* resume =
       command->add_flag("--resume", options->resume, "Go on with the last unfinished run, by its own configuration");
   resume->excludes(command->get_option("--config"))->excludes(command->get_option("--set"))->excludes(seed);
+  command->add_option("--run", options->run, "With --resume: this run instead of the last unfinished one")
+      ->type_name("N")
+      ->check(whole_number())
+      ->needs(resume);
   command
       ->add_flag("--take-over", options->take_over,
                  "With --resume: even a run of another host, where it may still be running")

@@ -7,7 +7,8 @@
 #include "coordinator/commands/learn_options.hpp"
 #include "coordinator/commands/study_tree.hpp"
 #include "coordinator/commands/whole_number.hpp"
-#include "coordinator/report/json_line.hpp"
+#include "coordinator/console/json_line.hpp"
+#include "coordinator/runs/simulate_study.hpp"
 #include "coordinator/trust/explanation_report.hpp"
 
 namespace coppice {
@@ -44,7 +45,8 @@ Result<void> explain_command(const Options& options) {
   if (options.json) {
     fmt::print("{}\n", json_line(to_json(report, study.chain(), tree, options.most_states)));
   } else {
-    fmt::print("{}", to_text(report, study.chain(), tree, options.most_states));
+    fmt::print("{}", to_text(report, study.chain(), tree, study.problem(), options.most_states));
+    print_legend(tree, study);
   }
   return {};
 }

@@ -5,11 +5,12 @@
 
 #include "common/tree/text.hpp"
 #include "coordinator/commands/commands.hpp"
+#include "coordinator/commands/output_option.hpp"
 #include "coordinator/commands/whole_number.hpp"
-#include "coordinator/report/counted.hpp"
+#include "coordinator/console/counted.hpp"
+#include "coordinator/console/whole_file.hpp"
 #include "coordinator/report/front_plot.hpp"
 #include "coordinator/report/front_report.hpp"
-#include "coordinator/report/whole_file.hpp"
 #include "coordinator/study/study.hpp"
 
 namespace coppice {
@@ -19,7 +20,7 @@ struct Options {
   std::string study;
   std::optional<std::int64_t> run;
   std::string rule;
-  std::string output;
+  OutputOption output;  // --force is for the plot too
   std::string plot;
   std::string axes;
   bool json = false;
@@ -73,6 +74,16 @@ Result<void> front_command(const Options& options) {
     }
     rule = std::move(*parsed);
   }
+  for (const auto& [flag, path] : {std::pair{"-o", &options.output.path}, std::pair{"--plot", &options.plot}}) {
+    if (const Result<void> checked = check_output(flag, *path, options.output.force, options.study); !checked) {
+      return checked;
+    }
+  }
+  if (!options.plot.empty()) {
+    if (const Result<PictureFormat> format = picture_format(options.plot); !format) {
+      return in_context("--plot", format.error());
+    }
+  }
   const Result<Study> study = Study::open(options.study, Study::Access::read);
   if (!study) {
     return tl::unexpected(study.error());
@@ -95,11 +106,6 @@ Result<void> front_command(const Options& options) {
       picked = front.members[i].tree == *found->run.tree ? std::optional(i) : std::nullopt;
     }
   }
-  for (const auto& [flag, path] : {std::pair{"-o", &options.output}, std::pair{"--plot", &options.plot}}) {
-    if (const Result<void> other = check_other_file(flag, *path, options.study); !path->empty() && !other) {
-      return other;
-    }
-  }
   std::optional<FrontAxes> axes;
   if (!options.plot.empty()) {
     const auto chosen = axes_from(options.axes, front);
@@ -113,9 +119,9 @@ Result<void> front_command(const Options& options) {
       return written;
     }
   }
-  if (!options.output.empty() && picked) {
+  if (!options.output.path.empty() && picked) {
     const std::string text = to_text(front.members[*picked].tree, vocabulary) + "\n";
-    if (const auto written = write_whole_file(options.output, text); !written) {
+    if (const auto written = write_whole_file(options.output.path, text); !written) {
       return written;
     }
   }
@@ -142,10 +148,9 @@ void add_front(CLI::App& app, Invocation& invocation) {
       ->check(whole_number());
   CLI::Option* pick_option =
       command->add_option("--pick", options->rule, "Print the one tree that this rule chooses")->type_name("RULE");
-  command->add_option("-o,--output", options->output, "Also write the picked tree to a file, for --tree FILE")
-      ->type_name("FILE")
+  add_output_option(*command, options->output, "Also write the picked tree to a file, for --tree FILE")
       ->needs(pick_option);
-  CLI::Option* plot = command->add_option("--plot", options->plot, "Draw two measures")->type_name("FILE.svg");
+  CLI::Option* plot = command->add_option("--plot", options->plot, "Draw two measures")->type_name("FILE.svg|.png");
   options->axes = "coverage,agreement";
   command->add_option("--axes", options->axes, "Which two, across and up")
       ->type_name("X,Y")

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -10,9 +11,11 @@
 
 #include "common/tree/text.hpp"
 #include "coordinator/commands/commands.hpp"
-#include "coordinator/report/counted.hpp"
-#include "coordinator/report/json_line.hpp"
-#include "coordinator/report/printable.hpp"
+#include "coordinator/console/counted.hpp"
+#include "coordinator/console/json_line.hpp"
+#include "coordinator/console/printable.hpp"
+#include "coordinator/evolution/config_text.hpp"
+#include "coordinator/problem/legend.hpp"
 #include "coordinator/study/study.hpp"
 
 namespace coppice {
@@ -31,7 +34,7 @@ struct Options {
 std::size_t rows_never_tried(const Chain& chain) {
   std::size_t rows = 0;
   for (std::size_t row = 0; row < chain.states() * chain.actions(); ++row) {
-    rows += chain.tries(row) == 0 ? 1U : 0U;
+    rows += chain.tries(row) == 0 && !chain.is_forbidden(row / chain.actions(), row % chain.actions()) ? 1U : 0U;
   }
   return rows;
 }
@@ -51,9 +54,49 @@ std::optional<std::size_t> states_with_wall_ahead(const Chain& chain) {
 std::string features_text(const Chain& chain, std::size_t state) {
   std::string text;
   for (std::size_t i = 0; i < chain.vocabulary().features.size(); ++i) {
-    text += fmt::format("{}{}={}", i == 0 ? "" : " ", chain.vocabulary().features[i].name, chain.features_of(state)[i]);
+    text += fmt::format("{}{}", i == 0 ? "" : " ",
+                        chain.vocabulary().features[i].reading_text(chain.features_of(state)[i]));
   }
   return text;
+}
+
+std::string no_action_text(const Chain& chain) {
+  const NoAction& rule = chain.parts().no_action;
+  switch (rule.kind) {
+    case NoAction::Kind::hold:
+      return "hold";
+    case NoAction::Kind::worst:
+      return "worst";
+    case NoAction::Kind::named:
+      break;
+  }
+  return chain.vocabulary().actions[index_of(rule.action)];
+}
+
+// What a problem has that our own worlds have not.
+void add_problem(const Study& study, Json& json) {
+  const Chain& chain = study.chain();
+  const ChainParts& parts = chain.parts();
+  const Problem& problem = study.problem();
+  for (const auto& [key, text] : {std::pair{"title", &problem.title}, std::pair{"source", &problem.source},
+                                  std::pair{"simulator", &problem.simulator}}) {
+    if (!text->empty()) {
+      json[key] = *text;
+    }
+  }
+  if (problem.discount) {
+    json["discount"] = *problem.discount;
+  }
+  if (chain.starts().size() > 1) {
+    json["starts"] = chain.starts().size();
+  }
+  if (!parts.terminals.empty()) {
+    json["terminal_states"] = parts.terminals.size();
+  }
+  if (!parts.forbidden.empty()) {
+    json["rows_forbidden"] = std::count(parts.forbidden.begin(), parts.forbidden.end(), 1);
+  }
+  json["no_action"] = no_action_text(chain);
 }
 
 // The study keeps JSON as it was given; a damaged one is shown as the text that it is.
@@ -129,7 +172,7 @@ Result<Json> json_of(const Study& study, const std::vector<RunRecord>& runs) {
   const Chain& chain = study.chain();
   Json json = {{"study", study.path()},
                {"chain", study.chain_hash().hex()},
-               {"world", study.world().kind},
+               {"world", study.problem().source.empty() ? study.world().kind : "imported"},
                {"states", chain.states()},
                {"actions", chain.vocabulary().actions},
                {"transitions", chain.transitions()},
@@ -139,6 +182,17 @@ Result<Json> json_of(const Study& study, const std::vector<RunRecord>& runs) {
     json["states_with_wall_ahead"] = *walls;
   }
   json["initial_state"] = {{"index", chain.initial_state()}, {"features", features_text(chain, chain.initial_state())}};
+  add_problem(study, json);
+  for (std::size_t f = 0; f < chain.vocabulary().features.size(); ++f) {
+    if (const std::string line = feature_legend(f, study.problem(), chain.vocabulary()); !line.empty()) {
+      json["legend"].push_back(line);
+    }
+  }
+  for (std::size_t a = 0; a < chain.actions(); ++a) {
+    if (const std::string line = action_legend(a, study.problem(), chain.vocabulary()); !line.empty()) {
+      json["legend"].push_back(line);
+    }
+  }
   json["learning"] = {{"settings", parsed(study.learning().settings)}, {"outcome", parsed(study.learning().outcome)}};
   json["runs"] = Json::array();
   for (const RunRecord& run : runs) {
@@ -175,16 +229,33 @@ void print_text(const Json& json) {
                                                         {"transitions", "transitions"},
                                                         {"rows", "rows (state, action)"},
                                                         {"rows_never_tried", "rows never tried"},
-                                                        {"states_with_wall_ahead", "wall ahead, states"}}) {
+                                                        {"states_with_wall_ahead", "wall ahead, states"},
+                                                        {"title", "title"},
+                                                        {"source", "imported from"},
+                                                        {"simulator", "simulator"},
+                                                        {"discount", "discount"},
+                                                        {"starts", "episodes start in, states"},
+                                                        {"terminal_states", "terminal states"},
+                                                        {"rows_forbidden", "rows that lack the action"},
+                                                        {"no_action", "no action means"}}) {
     if (json.contains(key)) {
       print_line(name, json[key].is_string() ? json[key].get<std::string>() : json[key].dump());
     }
   }
   print_line("actions", pairs_text(json["actions"]));
+  if (json.contains("legend")) {
+    for (std::size_t i = 0; i < json["legend"].size(); ++i) {
+      print_line(i == 0 ? "legend" : "", json["legend"][i].get<std::string>());
+    }
+  }
   print_line("initial state", fmt::format("{}: {}", json["initial_state"]["index"].dump(),
                                           json["initial_state"]["features"].get<std::string>()));
   print_line("learned with", pairs_text(json["learning"]["settings"]));
-  print_line("learned", pairs_text(json["learning"]["outcome"]));
+  Json learned = json["learning"]["outcome"];
+  if (learned.is_object()) {
+    learned.erase("curve");  // hundreds of numbers: for --json and 'coppice report'
+  }
+  print_line("learned", pairs_text(learned));
   if (json["runs"].empty()) {
     print_line("runs", "none");
   }

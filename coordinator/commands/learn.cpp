@@ -21,7 +21,7 @@ Result<void> learn_command(const Options& options, const StopFlag& stop) {
   if (!task) {
     return tl::unexpected(task.error());
   }
-  const Result<LearnReport> report = learn_study(*task, options.study, stop);
+  const Result<LearnReport> report = learn_shown(*task, options.study, stop);
   if (!report) {
     return tl::unexpected(report.error());
   }

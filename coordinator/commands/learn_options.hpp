@@ -1,4 +1,4 @@
-// What `coppice learn` and `coppice run` share: the flags of learning, and learning itself with its progress line.
+// The flags of learning, as `coppice learn` and `coppice run` have them.
 #pragma once
 
 #include <cstdint>
@@ -7,9 +7,7 @@
 
 #include "common/error.hpp"
 #include "common/stop.hpp"
-#include "coordinator/learning/learn.hpp"
-#include "coordinator/learning/world.hpp"
-#include "coordinator/study/study.hpp"
+#include "coordinator/runs/learn_study.hpp"
 
 namespace CLI {
 class App;
@@ -33,25 +31,10 @@ struct LearnOptions {
 // All flags but --seed, which a command may share with evolution.
 void add_learn_options(CLI::App& command, LearnOptions& options);
 
-struct LearnTask {
-  std::string world_name;  // as the user gave it
-  World world;
-  LearnSettings settings;
-};
-
 // Errors name the flag, or the room's file, line and column.
 Result<LearnTask> learn_task(const LearnOptions& options, std::uint64_t seed);
 
-// Learns, shows progress on standard error, and makes the study file `path`. Errors: as learn() and Study::create();
-// the path exists already, which is found out before learning.
-struct LearnReport {
-  Study study;
-  std::string text;  // lines
-  std::string json;  // one object on one line
-};
-Result<LearnReport> learn_study(const LearnTask& task, const std::string& path, const StopFlag& stop);
-
-// The episode length that the study was learned with; that of thesis Table II where it does not say.
-std::uint32_t learned_steps(const Study& study);
+// learn_study() with its progress on standard error.
+Result<LearnReport> learn_shown(const LearnTask& task, const std::string& path, const StopFlag& stop);
 
 }  // namespace coppice

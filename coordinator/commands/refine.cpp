@@ -10,14 +10,18 @@
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/evaluator_option.hpp"
 #include "coordinator/commands/evolve_options.hpp"
+#include "coordinator/commands/evolve_progress.hpp"
 #include "coordinator/commands/learn_options.hpp"
-#include "coordinator/commands/new_folder.hpp"
 #include "coordinator/commands/simulate_option.hpp"
 #include "coordinator/commands/study_tree.hpp"
 #include "coordinator/commands/whole_number.hpp"
+#include "coordinator/console/json_line.hpp"
+#include "coordinator/console/progress.hpp"
 #include "coordinator/refine/refine_report.hpp"
-#include "coordinator/report/json_line.hpp"
-#include "coordinator/report/progress.hpp"
+#include "coordinator/runs/learn_study.hpp"
+#include "coordinator/runs/new_folder.hpp"
+#include "coordinator/runs/simulate_study.hpp"
+#include "coordinator/runs/tree_of_study.hpp"
 
 namespace coppice {
 namespace {
@@ -30,6 +34,7 @@ struct Options {
   std::optional<std::uint64_t> seed;
   std::optional<std::uint32_t> steps;
   RefineSettings settings;
+  std::string simulator;
   bool json = false;
 };
 
@@ -66,7 +71,7 @@ Result<void> refine_command(const Options& options, const StopFlag& stop) {
     return tl::unexpected(given.error());
   }
   const auto& [study, tree] = *given;
-  const Result<World> world = world_of(study);
+  const Result<World> world = world_of(study, options.simulator);
   if (!world) {
     return tl::unexpected(world.error());
   }
@@ -75,7 +80,13 @@ Result<void> refine_command(const Options& options, const StopFlag& stop) {
     return bad_input(fmt::format(
         "{}: the chain's features and actions are not those of its world: nothing can be simulated", study.path()));
   }
-  const Result<EvolveConfig> config = evolve_config(options.evolution, options.seed, vocabulary);
+  const std::optional<RunId> run = options.tree.run ? std::optional(RunId{*options.tree.run}) : std::nullopt;
+  const auto base = config_of_run(study, run);
+  if (!base) {
+    return tl::unexpected(base.error());
+  }
+  const Result<EvolveConfig> config =
+      evolve_config(options.evolution, options.seed, {.vocabulary = vocabulary, .base = *base ? &**base : nullptr});
   if (!config) {
     return tl::unexpected(config.error());
   }
@@ -104,34 +115,33 @@ Result<void> refine_command(const Options& options, const StopFlag& stop) {
   };
   hooks.evolve = [&](Study& round, const EvolveConfig& round_config) -> Result<RoundAnswer> {
     shown.ended();
-    auto report = evolve_in_study(round,
-                                  {.config = round_config,
-                                   .resumed = std::nullopt,
-                                   .evaluator = *evaluator,
-                                   .lines_every = options.evolution.lines_every},
-                                  stop);
-    return report ? Result<RoundAnswer>(RoundAnswer{std::move(report->tree), report->interrupted})
+    const auto report = evolve_shown(round, {.config = round_config, .resumed = std::nullopt, .evaluator = *evaluator},
+                                     options.evolution.lines_every, stop);
+    return report ? Result<RoundAnswer>(RoundAnswer{report->tree(), report->interrupted()})
                   : tl::unexpected(report.error());
   };
   hooks.round_done = [&](const RefineRound& round) { rounds.push_back(round); };
   const Result<void> refined = refine(study, *world, tree, *config, settings, *folder, hooks);
   shown.ended();
 
+  const std::optional<std::size_t> best = best_of(rounds);
   std::error_code ignored;
   std::filesystem::remove(*folder, ignored);  // only if it is empty
   if (options.json) {
-    fmt::print("{}\n", json_line({{"folder", folder->string()}, {"rounds", to_json(rounds)}}));
+    fmt::print("{}\n", json_line({{"folder", folder->string()},
+                                  {"best_round", best ? nlohmann::ordered_json(rounds[*best].round) : nullptr},
+                                  {"rounds", to_json(rounds)}}));
   } else if (!rounds.empty()) {
     fmt::print("{}", to_text(rounds));
-    if (rounds.back().gains) {
-      fmt::print("study of the last round: {}\n", rounds.back().study);
+    if (best) {
+      fmt::print("its study: {}\n", rounds[*best].study);
     }
   }
   if (!refined) {
     return tl::unexpected(
         Error{refined.error().kind, fmt::format("{}; the rounds before are kept", refined.error().message)});
   }
-  return {};
+  return keep_simulator(options.tree.study, options.simulator);
 }
 
 }  // namespace
@@ -153,6 +163,7 @@ void add_refine(CLI::App& app, Invocation& invocation) {
       ->type_name("E")
       ->check(whole_number())
       ->capture_default_str();
+  add_simulator(*command, options->simulator);
   command->add_option("--steps", options->steps, "Steps per episode (default: as in learning)")->check(whole_number());
   command
       ->add_option("--score-episodes", options->settings.judged.episodes,
@@ -161,12 +172,16 @@ void add_refine(CLI::App& app, Invocation& invocation) {
       ->capture_default_str();
   add_evaluator_option(*command, options->evaluator);
   add_evolve_options(*command, options->evolution);
-  command->add_option("--seed", options->seed, "Of the walks; round r evolves with r more (default: seed of --config)")
+  command
+      ->add_option("--seed", options->seed,
+                   "Of the walks; round r evolves with r more (default: seed of --config, or of the run)")
       ->check(whole_number());
   command->add_flag("--json", options->json, "Report as one JSON object");
   command->footer(
       "Every round's study, round-1.coppice and so on, is as good as any: score it, verify it, evolve it further.\n"
-      "Evolution begins with the tree that was walked and the front that it is on. The given study is not changed.\n"
+      "Evolution is set up as the refined run was (the last one with --tree), or by --config. It begins with the tree\n"
+      "that was walked, the best so far and the front that it is on. The answer is the best round: fewest collisions,\n"
+      "then the highest reward in the simulator. The given study is not changed.\n"
       "Ctrl-C keeps every round that has ended, and the best so far of the one under way (exit code 1).\n"
       "Examples:\n"
       "  coppice refine uav.coppice -o refined --config coordinator/evolution/front.toml --workers 2\n"

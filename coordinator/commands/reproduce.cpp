@@ -10,11 +10,11 @@
 
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/evaluator_option.hpp"
-#include "coordinator/commands/new_folder.hpp"
 #include "coordinator/commands/whole_number.hpp"
-#include "coordinator/report/json_line.hpp"
-#include "coordinator/report/progress.hpp"
-#include "coordinator/report/whole_file.hpp"
+#include "coordinator/console/json_line.hpp"
+#include "coordinator/console/progress.hpp"
+#include "coordinator/console/whole_file.hpp"
+#include "coordinator/runs/new_folder.hpp"
 
 namespace coppice {
 namespace {

@@ -10,14 +10,17 @@
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/evaluator_option.hpp"
 #include "coordinator/commands/evolve_options.hpp"
+#include "coordinator/commands/evolve_progress.hpp"
 #include "coordinator/commands/learn_options.hpp"
-#include "coordinator/commands/new_folder.hpp"
+#include "coordinator/commands/page_options.hpp"
 #include "coordinator/commands/whole_number.hpp"
-#include "coordinator/dispatch/open_evaluator.hpp"
+#include "coordinator/console/json_line.hpp"
+#include "coordinator/console/whole_file.hpp"
+#include "coordinator/fleet/open_evaluator.hpp"
 #include "coordinator/report/draw.hpp"
-#include "coordinator/report/json_line.hpp"
 #include "coordinator/report/score.hpp"
-#include "coordinator/report/whole_file.hpp"
+#include "coordinator/runs/evolve_report.hpp"
+#include "coordinator/runs/new_folder.hpp"
 
 namespace coppice {
 namespace {
@@ -34,11 +37,11 @@ struct Options {
   bool json = false;
 };
 
-Result<void> write_drawings(const Tree& tree, const Vocabulary& vocabulary, const std::filesystem::path& stem) {
+Result<void> write_drawings(const Tree& tree, const Study& study, const std::filesystem::path& stem) {
   for (const char* extension : {".dot", ".svg"}) {
     std::filesystem::path path = stem;
     path += extension;
-    if (const Result<void> written = write_drawing(tree, vocabulary, path); !written) {
+    if (const Result<void> written = write_drawing(tree, study.chain().vocabulary(), study.problem(), path); !written) {
       return written;
     }
   }
@@ -46,17 +49,17 @@ Result<void> write_drawings(const Tree& tree, const Vocabulary& vocabulary, cons
 }
 
 Result<void> write_reports(const std::filesystem::path& folder, const EvolveReport& evolved, const Score& score,
-                           const Vocabulary& vocabulary) {
+                           const Study& study) {
   if (const auto written = write_whole_file(folder / "table-iv.txt", to_text(score)); !written) {
     return written;
   }
   if (const auto written = write_whole_file(folder / "table-iv.json", to_json(score) + "\n"); !written) {
     return written;
   }
-  if (const auto written = write_drawings(evolved.tree, vocabulary, folder / "evolved"); !written) {
+  if (const auto written = write_drawings(evolved.tree(), study, folder / "evolved"); !written) {
     return written;
   }
-  return write_drawings(evolved.pruned, vocabulary, folder / "pruned");
+  return write_drawings(evolved.pruned, study, folder / "pruned");
 }
 
 tl::unexpected<Error> interrupted(const std::string& hint) {
@@ -68,7 +71,7 @@ Result<void> score_and_draw(const LearnTask& learning, const Study& study, const
                             const SimulateSettings& settings, const std::filesystem::path& folder, const StopFlag& stop,
                             nlohmann::ordered_json& json) {
   const Result<Score> score =
-      score_tree(learning.world, study.chain(), evolved.tree, settings, [&] { return !stop.raised(); });
+      score_tree(learning.world, study.chain(), evolved.tree(), settings, [&] { return !stop.raised(); });
   if (!score) {
     return score.error().kind == ErrorKind::interrupted
                ? interrupted(fmt::format("the run is complete, score it with: coppice score {}", study.path()))
@@ -79,12 +82,27 @@ Result<void> score_and_draw(const LearnTask& learning, const Study& study, const
   } else {
     fmt::print("{}\n", to_text(*score));
   }
-  if (const Result<void> written = write_reports(folder, evolved, *score, study.chain().vocabulary()); !written) {
+  if (const Result<void> written = write_reports(folder, evolved, *score, study); !written) {
     return written;
   }
-  if (!json.is_object()) {
+  const std::string report = (folder / "report.html").string();
+  PageOptions page;
+  page.tree.study = study.path();
+  page.tree.run = static_cast<std::int64_t>(evolved.run);
+  page.simulate = {.episodes = settings.episodes, .steps = settings.steps, .seed = settings.seed};
+  if (const Result<void> written = write_report(page_request(page, study, evolved.tree(), report), study, report, stop);
+      !written) {
+    return written.error().kind == ErrorKind::interrupted
+               ? interrupted(fmt::format("the run is complete, make its report with: coppice report {} -o {}",
+                                         study.path(), report))
+               : written;
+  }
+  if (json.is_object()) {
+    json["report"] = report;
+  } else {
     fmt::print("drawings: {}, {}\nstudy: {}\n", (folder / "evolved.svg").string(), (folder / "pruned.svg").string(),
                study.path());
+    fmt::print("report, to open in a browser: {}\n", report);
   }
   return {};
 }
@@ -95,7 +113,7 @@ Result<void> run_command(const Options& options, const StopFlag& stop) {
   if (!learning) {
     return tl::unexpected(learning.error());
   }
-  const Result<EvolveConfig> config = evolve_config(options.evolution, options.seed, vocabulary_of(learning->world));
+  const Result<EvolveConfig> config = evolve_config(options.evolution, options.seed, {vocabulary_of(learning->world)});
   if (!config) {
     return tl::unexpected(config.error());
   }
@@ -120,7 +138,7 @@ Result<void> run_command(const Options& options, const StopFlag& stop) {
     return tl::unexpected(folder.error());
   }
   const std::string study_path = (*folder / "study.coppice").string();
-  Result<LearnReport> learned = learn_study(*learning, study_path, stop);
+  Result<LearnReport> learned = learn_shown(*learning, study_path, stop);
   if (!learned) {
     std::error_code ignored;
     std::filesystem::remove(*folder, ignored);  // only if it is empty
@@ -131,27 +149,24 @@ Result<void> run_command(const Options& options, const StopFlag& stop) {
     fmt::print("{}\n", learned->text);
     static_cast<void>(std::fflush(stdout));  // what could not be printed is found at the end
   }
-  const Result<EvolveReport> evolved = evolve_in_study(study,
-                                                       {.config = *config,
-                                                        .resumed = std::nullopt,
-                                                        .evaluator = *evaluator,
-                                                        .lines_every = options.evolution.lines_every},
-                                                       stop);
+  const Result<EvolveReport> evolved =
+      evolve_shown(study, {.config = *config, .resumed = std::nullopt, .evaluator = *evaluator},
+                   options.evolution.lines_every, stop);
   if (!evolved) {
     return in_context(study_path, evolved.error());
   }
   if (!options.json) {
-    fmt::print("{}\n", evolved->text);
+    fmt::print("{}\n", to_text(*evolved, study));
     static_cast<void>(std::fflush(stdout));
   }
   nlohmann::ordered_json json;
   if (options.json) {
     json = {{"folder", folder->string()},
             {"learn", nlohmann::ordered_json::parse(learned->json)},
-            {"evolve", nlohmann::ordered_json::parse(evolved->json)},
+            {"evolve", nlohmann::ordered_json::parse(to_json(*evolved, study))},
             {"score", nullptr}};
   }
-  const Result<void> reported = evolved->interrupted
+  const Result<void> reported = evolved->interrupted()
                                     ? interrupted(resume_hint(study))
                                     : score_and_draw(*learning, study, *evolved, settings, *folder, stop, json);
   if (options.json) {
@@ -178,7 +193,8 @@ void add_run(CLI::App& app, Invocation& invocation) {
       ->capture_default_str();
   command->add_flag("--json", options->json, "Report as one JSON object");
   command->footer(
-      "Writes study.coppice, evolved.svg, pruned.svg (and .dot), table-iv.txt and table-iv.json; never overwrites.\n"
+      "Writes study.coppice, report.html, evolved.svg, pruned.svg (and .dot), table-iv.txt and table-iv.json; never\n"
+      "overwrites.\n"
       "Examples:\n"
       "  coppice run --workers 2\n"
       "  coppice run -o trial --episodes 20000 --set ga.generations=100 --serial --seed 3");

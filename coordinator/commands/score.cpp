@@ -9,6 +9,7 @@
 #include "coordinator/commands/simulate_option.hpp"
 #include "coordinator/commands/study_tree.hpp"
 #include "coordinator/commands/whole_number.hpp"
+#include "coordinator/runs/simulate_study.hpp"
 
 namespace coppice {
 namespace {
@@ -27,7 +28,7 @@ Result<void> score_command(const Options& options, const StopFlag& stop) {
     return tl::unexpected(given.error());
   }
   const auto& [study, tree] = *given;
-  const Result<World> world = world_of(study);
+  const Result<World> world = world_of(study, options.simulate.simulator);
   if (!world) {
     return tl::unexpected(world.error());
   }
@@ -35,6 +36,9 @@ Result<void> score_command(const Options& options, const StopFlag& stop) {
       *world, study.chain(), tree, settings_of(options.simulate, study), [&] { return !stop.raised(); }, options.seen);
   if (!score) {
     return tl::unexpected(score.error());
+  }
+  if (const Result<void> kept = keep_simulator(options.tree.study, options.simulate.simulator); !kept) {
+    return kept;
   }
   if (options.exact) {
     add_exact(study.chain(), tree, *score);

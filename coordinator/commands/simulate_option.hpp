@@ -1,13 +1,10 @@
-// --episodes, --steps and --seed of the simulator, and a tree in the simulator of a study's world.
+// --episodes, --steps, --seed and --simulator.
 #pragma once
 
 #include <cstdint>
 #include <optional>
-#include <vector>
+#include <string>
 
-#include "common/error.hpp"
-#include "common/stop.hpp"
-#include "common/tree/tree.hpp"
 #include "coordinator/learning/simulate.hpp"
 #include "coordinator/study/study.hpp"
 
@@ -21,6 +18,7 @@ struct SimulateOption {
   std::uint64_t episodes = SimulateSettings{}.episodes;
   std::optional<std::uint32_t> steps;  // empty: as in learning
   std::uint64_t seed = SimulateSettings{}.seed;
+  std::string simulator = {};  // a command; empty: what the study has
 };
 
 struct SimulateHelp {
@@ -29,13 +27,9 @@ struct SimulateHelp {
 };
 void add_simulate_option(CLI::App& command, SimulateOption& option, const SimulateHelp& help = {});
 
+// --simulator COMMAND alone.
+void add_simulator(CLI::App& command, std::string& simulator);
+
 SimulateSettings settings_of(const SimulateOption& option, const Study& study);
-
-// Errors: the study has no world.
-Result<World> world_of(const Study& study);
-
-// Nothing where the study has no world. Errors name the flag, as check_score_settings(); interrupted.
-Result<std::optional<std::vector<EpisodeRecord>>> simulated(const Study& study, const Tree& tree,
-                                                            const SimulateSettings& settings, const StopFlag& stop);
 
 }  // namespace coppice

@@ -5,9 +5,9 @@
 
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/whole_number.hpp"
+#include "coordinator/console/json_line.hpp"
 #include "coordinator/learning/synthetic_chain.hpp"
 #include "coordinator/learning/world.hpp"
-#include "coordinator/report/json_line.hpp"
 #include "coordinator/study/study.hpp"
 
 namespace coppice {

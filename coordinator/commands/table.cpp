@@ -4,29 +4,31 @@
 #include <memory>
 
 #include "coordinator/commands/commands.hpp"
+#include "coordinator/commands/output_option.hpp"
 #include "coordinator/commands/study_tree.hpp"
+#include "coordinator/console/whole_file.hpp"
 #include "coordinator/report/state_table.hpp"
-#include "coordinator/report/whole_file.hpp"
 
 namespace coppice {
 namespace {
 
 struct Options {
   StudyTreeOption tree;
-  std::string output;
+  OutputOption output;
 };
 
 Result<void> table_command(const Options& options) {
+  const auto& [path, force] = options.output;
+  if (const Result<void> checked = check_output("-o", path, force, options.tree.study); !checked) {
+    return checked;
+  }
   const Result<StudyTree> given = open_study_tree(options.tree);
   if (!given) {
     return tl::unexpected(given.error());
   }
   const auto& [study, tree] = *given;
-  if (const Result<void> other = check_other_file("-o", options.output, options.tree.study); !other) {
-    return other;
-  }
-  if (!options.output.empty()) {
-    return write_whole_file(options.output, [&](std::ostream& out) { write_state_table(study.chain(), tree, out); });
+  if (!path.empty()) {
+    return write_whole_file(path, [&](std::ostream& out) { write_state_table(study.chain(), tree, out); });
   }
   write_state_table(study.chain(), tree, std::cout);
   return {};
@@ -39,7 +41,7 @@ void add_table(CLI::App& app, Invocation& invocation) {
   CLI::App* command =
       app.add_subcommand("table", "Print CSV, a row a state: features, visits, the policy's action, the tree's action");
   add_study_tree(*command, options->tree);
-  command->add_option("-o,--output", options->output, "Write a file instead of standard output")->type_name("FILE");
+  add_output_option(*command, options->output, "Write a file instead of standard output");
   command->footer(
       "Examples:\n"
       "  coppice table uav.coppice > states.csv\n"

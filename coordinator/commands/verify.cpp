@@ -8,10 +8,11 @@
 #include "coordinator/commands/simulate_option.hpp"
 #include "coordinator/commands/study_tree.hpp"
 #include "coordinator/commands/whole_number.hpp"
-#include "coordinator/report/counted.hpp"
-#include "coordinator/report/json_line.hpp"
-#include "coordinator/report/progress.hpp"
+#include "coordinator/console/counted.hpp"
+#include "coordinator/console/json_line.hpp"
+#include "coordinator/console/progress.hpp"
 #include "coordinator/report/score.hpp"
+#include "coordinator/runs/simulate_study.hpp"
 #include "coordinator/trust/verification_report.hpp"
 
 namespace coppice {
@@ -91,9 +92,12 @@ Result<void> verify_command(const Options& options, const StopFlag& stop) {
   }
   std::optional<Simulated> beside;
   if (options.simulate.episodes > 0) {
-    const auto episodes = simulated(study, tree, simulate, stop);
+    const auto episodes = simulated(study, tree, simulate, options.simulate.simulator, stop);
     if (!episodes) {
       return tl::unexpected(episodes.error());
+    }
+    if (const Result<void> kept = keep_simulator(options.tree.study, options.simulate.simulator); !kept) {
+      return kept;
     }
     beside = *episodes ? std::optional(sum_up(**episodes)) : std::nullopt;
   }
@@ -114,9 +118,12 @@ Result<void> verify_command(const Options& options, const StopFlag& stop) {
   for (const CheckedRule& answer : answers) {
     broken += answer.answer.holds() ? 0U : 1U;
     json["rules"].push_back(to_json(answer, tree, chain));
-    text += '\n' + to_text(answer, tree, chain);
+    text += '\n' + to_text(answer, tree, chain, study.problem());
   }
   fmt::print("{}", options.json ? json_line(json) + '\n' : text);
+  if (!options.json) {
+    print_legend(tree, study);
+  }
   if (broken > 0) {
     return failed(fmt::format("the tree breaks {} of {}", broken, counted(answers.size(), "rule")));
   }

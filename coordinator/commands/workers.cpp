@@ -11,10 +11,10 @@
 
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/whole_number.hpp"
-#include "coordinator/dispatch/worker_list.hpp"
-#include "coordinator/report/counted.hpp"
-#include "coordinator/report/json_line.hpp"
-#include "coordinator/report/printable.hpp"
+#include "coordinator/console/counted.hpp"
+#include "coordinator/console/json_line.hpp"
+#include "coordinator/console/printable.hpp"
+#include "coordinator/fleet/worker_list.hpp"
 
 namespace coppice {
 namespace {

@@ -9,10 +9,10 @@
 #include <thread>
 #include <vector>
 
-#include "coordinator/dispatch/evaluator_pool.hpp"
-#include "coordinator/dispatch/remote_evaluator.hpp"
 #include "coordinator/dispatch/serial_evaluator.hpp"
 #include "coordinator/evolution/evolve.hpp"
+#include "coordinator/fleet/evaluator_pool.hpp"
+#include "coordinator/fleet/fleet_evaluator.hpp"
 #include "coordinator/learning/learn.hpp"
 
 namespace coppice {
@@ -71,12 +71,12 @@ class EvolutionOverWorkers : public ::testing::Test {
     return course;
   }
 
-  std::unique_ptr<RemoteEvaluator> open(std::size_t workers, std::function<void(pid_t)> batch_sent = {}) {
-    RemoteOptions options;
+  std::unique_ptr<FleetEvaluator> open(std::size_t workers, std::function<void(pid_t)> batch_sent = {}) {
+    FleetOptions options;
     options.local_workers = workers;
     options.worker_program = COPPICE_WORKER_PROGRAM;
     options.batch_sent = std::move(batch_sent);
-    auto evaluator = RemoteEvaluator::open(chain_, options, stop_);
+    auto evaluator = FleetEvaluator::open(chain_, options, stop_);
     EXPECT_TRUE(evaluator.has_value()) << evaluator.error().message;
     return std::move(*evaluator);
   }
@@ -128,7 +128,7 @@ TEST_F(EvolutionOverWorkers, IsTheSerialOneWithDuplicatedAnswers) {
   // that was seen: a worker may be stopped just after its answer left.
   int batches = 0;
   pid_t stopped = 0;
-  RemoteEvaluator* watched = nullptr;
+  FleetEvaluator* watched = nullptr;
   const auto evaluator = open(2, [&](pid_t pid) {
     if (++batches % 6 == 5 && stopped == 0 && watched->statistics().duplicates == 0) {
       stopped = pid;
@@ -162,7 +162,7 @@ TEST_F(EvolutionOverWorkers, IsTheSerialOneWithAWorkerThatJoinsLate) {
 
 // Several at once on one set of workers, one of which is killed.
 TEST_F(EvolutionOverWorkers, IsTheSerialOneForEveryRunOfAPool) {
-  RemoteOptions options;
+  FleetOptions options;
   options.local_workers = 2;
   options.worker_program = COPPICE_WORKER_PROGRAM;
   int batches = 0;
@@ -192,7 +192,7 @@ TEST_F(EvolutionOverWorkers, IsTheSerialOneForEveryRunOfAPool) {
 }
 
 TEST_F(EvolutionOverWorkers, EndsEveryRunOfAPoolThatIsToldToStop) {
-  RemoteOptions options;
+  FleetOptions options;
   options.local_workers = 1;
   options.worker_program = COPPICE_WORKER_PROGRAM;
   auto pool = EvaluatorPool::open(chain_, options, stop_);

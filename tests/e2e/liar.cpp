@@ -1,42 +1,41 @@
-// A worker that lies, for the tests: coppice-worker, but that some of its answers are changed on their way out (the
-// linker puts __wrap_ in the encoder's place).
+// A worker that lies, for the tests: coppice-worker, but that some of its answers are changed on their way out.
 //   liar DOMAIN HONEST     its first HONEST answers are true, then none is
 // It goes to the coordinator on this machine, or on COPPICE_STRANGER_HOST.
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
-#include <string>
-#include <vector>
+#include <span>
 
 #include "common/stop.hpp"
 #include "common/version.hpp"
-#include "common/wire/codec.hpp"
 #include "common/wire/topics.hpp"
 #include "worker/serve.hpp"
 
 namespace {
+
 std::atomic<long> honest{0};
-}
 
-// NOLINTBEGIN(bugprone-reserved-identifier): the linker's names
-extern "C" std::vector<std::uint8_t>
-__real__ZN7coppice4wire14encode_talliesESt4spanIKNS_5TallyELm18446744073709551615EE(
-    std::span<const coppice::Tally> tallies);
-
-extern "C" std::vector<std::uint8_t>
-__wrap__ZN7coppice4wire14encode_talliesESt4spanIKNS_5TallyELm18446744073709551615EE(
-    std::span<const coppice::Tally> tallies) {
-  std::vector<coppice::Tally> said(tallies.begin(), tallies.end());
-  if (honest.fetch_sub(1) <= 0) {
-    for (coppice::Tally& tally : said) {
-      tally.matches = tally.steps - tally.matches;
-      for (std::int64_t& score : tally.scores) {
-        ++score;
-      }
+void lie(std::span<coppice::Tally> tallies) {
+  if (honest.fetch_sub(1) > 0) {
+    return;
+  }
+  for (coppice::Tally& tally : tallies) {
+    tally.matches = tally.steps - tally.matches;
+    for (std::int64_t& score : tally.scores) {
+      ++score;
     }
   }
-  return __real__ZN7coppice4wire14encode_talliesESt4spanIKNS_5TallyELm18446744073709551615EE(said);
 }
-// NOLINTEND(bugprone-reserved-identifier)
+
+// The population in another order: as well-formed as the truth, and another answer.
+void lie_about_an_epoch(coppice::EpochResult& result) {
+  if (honest.fetch_sub(1) <= 0) {
+    auto& population = result.deme.population;
+    std::rotate(population.begin(), population.begin() + 1, population.end());
+  }
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   if (argc != 3) {
@@ -49,6 +48,8 @@ int main(int argc, char** argv) {
   options.domain = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10));
   options.protocol = coppice::wire::kProtocolVersion;
   options.version = coppice::kVersion;
+  options.before_answer = lie;
+  options.before_epoch_answer = lie_about_an_epoch;
   if (const char* host = std::getenv("COPPICE_STRANGER_HOST"); host != nullptr) {
     options.coordinator = host;
   }

@@ -1,15 +1,18 @@
 // Serial equals remote, bit for bit, with real worker processes over real DDS on the loopback interface, whatever
 // happens to the workers. Faults are injected when a batch has just gone out, so they hit in mid-generation.
 #include <chrono>
+#include <cstdlib>
 #include <gtest/gtest.h>
+#include <map>
 #include <memory>
 #include <set>
 #include <signal.h>
 #include <sys/wait.h>
 #include <vector>
 
-#include "coordinator/dispatch/remote_evaluator.hpp"
+#include "common/tree/text.hpp"
 #include "coordinator/dispatch/serial_evaluator.hpp"
+#include "coordinator/fleet/fleet_evaluator.hpp"
 #include "tests/oracles/chains.hpp"
 #include "tests/oracles/trees.hpp"
 
@@ -44,16 +47,16 @@ class RemoteEvaluation : public ::testing::Test {
     return std::move(*tallies);
   }
 
-  std::unique_ptr<RemoteEvaluator> open(std::size_t workers, RemoteOptions options = {}) {
+  std::unique_ptr<FleetEvaluator> open(std::size_t workers, FleetOptions options = {}) {
     options.local_workers = workers;
     options.worker_program = COPPICE_WORKER_PROGRAM;
     options.wait_limit = 60s;
-    auto evaluator = RemoteEvaluator::open(chain_, options, stop_);
+    auto evaluator = FleetEvaluator::open(chain_, options, stop_);
     EXPECT_TRUE(evaluator.has_value()) << (evaluator ? "" : evaluator.error().message);
     return std::move(*evaluator);
   }
 
-  void expect_equal(RemoteEvaluator& evaluator, std::uint32_t generation) {
+  void expect_equal(FleetEvaluator& evaluator, std::uint32_t generation) {
     const auto tallies = evaluator.evaluate(trees_, job(generation));
     ASSERT_TRUE(tallies.has_value()) << tallies.error().message;
     EXPECT_EQ(*tallies, serial(generation)) << "generation " << generation;
@@ -124,7 +127,7 @@ TEST_F(RemoteEvaluation, GivesTheSerialTalliesWhenAnswersWouldOutgrowTheContract
 }
 
 TEST_F(RemoteEvaluation, SurvivesAWorkerKilledInMidGeneration) {
-  RemoteOptions options;
+  FleetOptions options;
   int batches = 0;
   std::set<pid_t> killed;
   options.batch_sent = [&](pid_t pid) {
@@ -141,7 +144,7 @@ TEST_F(RemoteEvaluation, SurvivesAWorkerKilledInMidGeneration) {
 }
 
 TEST_F(RemoteEvaluation, SurvivesEveryWorkerKilledInTheSameGeneration) {
-  RemoteOptions options;
+  FleetOptions options;
   std::set<pid_t> killed;
   options.batch_sent = [&](pid_t pid) {
     if (killed.size() < 2 && killed.insert(pid).second) {
@@ -156,7 +159,7 @@ TEST_F(RemoteEvaluation, SurvivesEveryWorkerKilledInTheSameGeneration) {
 }
 
 TEST_F(RemoteEvaluation, SurvivesAStoppedWorkerAndItsLateAnswers) {
-  RemoteOptions options;
+  FleetOptions options;
   pid_t stopped = 0;
   options.batch_sent = [&](pid_t pid) {
     if (stopped == 0) {
@@ -182,7 +185,7 @@ TEST_F(RemoteEvaluation, SurvivesAStoppedWorkerAndItsLateAnswers) {
 }
 
 TEST_F(RemoteEvaluation, GivesTheSerialTalliesWithPacedWorkers) {
-  RemoteOptions options;
+  FleetOptions options;
   options.worker_flags = {{"--pace", "300us"}, {"--pace", "100us"}};
   const auto evaluator = open(2, options);
   for (std::uint32_t generation = 0; generation < 3; ++generation) {
@@ -191,7 +194,7 @@ TEST_F(RemoteEvaluation, GivesTheSerialTalliesWithPacedWorkers) {
 }
 
 TEST_F(RemoteEvaluation, OffersToAnotherWhatAVerySlowWorkerHolds) {
-  RemoteOptions options;
+  FleetOptions options;
   options.worker_flags = {{"--pace", "600s"}, {}};  // the first answers nothing while this test lives
   const auto evaluator = open(2, options);
   ASSERT_TRUE(evaluator->await_workers(2).has_value());
@@ -233,10 +236,61 @@ TEST_F(RemoteEvaluation, GoesOnWhenAWorkerLeavesInOrder) {
   EXPECT_EQ(evaluator->statistics().workers_lost, 0U);
 }
 
+// A tree at which workers die: of a size that no other has.
+class DeadlyTree : public RemoteEvaluation {
+ protected:
+  DeadlyTree() {
+    std::map<std::size_t, int> sizes;
+    for (const Tree& tree : trees_) {
+      ++sizes[tree.size()];
+    }
+    const auto deadly =
+        std::find_if(trees_.begin(), trees_.end(), [&](const Tree& tree) { return sizes[tree.size()] == 1; });
+    EXPECT_NE(deadly, trees_.end());
+    deadly_ = *deadly;
+    setenv("COPPICE_DEADLY_NODES", std::to_string(deadly_.size()).c_str(), 1);
+  }
+  ~DeadlyTree() override {
+    unsetenv("COPPICE_DEADLY_NODES");
+    unsetenv("COPPICE_DEADLY_APART");
+  }
+
+  std::unique_ptr<FleetEvaluator> open_mortal() {
+    FleetOptions options;
+    options.local_workers = 2;
+    options.worker_program = COPPICE_MORTAL_PROGRAM;
+    auto evaluator = FleetEvaluator::open(chain_, options, stop_);
+    EXPECT_TRUE(evaluator.has_value()) << (evaluator ? "" : evaluator.error().message);
+    return std::move(*evaluator);
+  }
+
+  Tree deadly_{ActionId{0}};
+};
+
+TEST_F(DeadlyTree, IsEvaluatedApartWhenWorkersDiedOfIt) {
+  const auto evaluator = open_mortal();
+  expect_equal(*evaluator, 0);
+  EXPECT_EQ(evaluator->statistics().apart, 1U);
+  EXPECT_GE(evaluator->statistics().suspect, 3U);
+  EXPECT_GE(evaluator->statistics().workers_lost, 3U);
+}
+
+TEST_F(DeadlyTree, StopsTheRunThatNamesItWhenTheProcessApartDiesToo) {
+  setenv("COPPICE_DEADLY_APART", "1", 1);
+  const auto evaluator = open_mortal();
+  const auto tallies = evaluator->evaluate(trees_, job(0));
+  ASSERT_FALSE(tallies.has_value());
+  EXPECT_EQ(tallies.error().kind, ErrorKind::failed);
+  for (const std::string& part :
+       {to_text(deadly_, chain_->vocabulary()), std::string("killed by signal 9"), std::string("coppice evaluate")}) {
+    EXPECT_NE(tallies.error().message.find(part), std::string::npos) << part << "\n" << tallies.error().message;
+  }
+}
+
 TEST_F(RemoteEvaluation, GivesUpAfterTheWaitLimitWhenNoWorkerComes) {
-  RemoteOptions options;
+  FleetOptions options;
   options.wait_limit = 150ms;
-  auto evaluator = RemoteEvaluator::open(chain_, options, stop_);
+  auto evaluator = FleetEvaluator::open(chain_, options, stop_);
   ASSERT_TRUE(evaluator.has_value());
   const auto tallies = (*evaluator)->evaluate(trees_, job(0));
   ASSERT_FALSE(tallies.has_value());
@@ -245,10 +299,10 @@ TEST_F(RemoteEvaluation, GivesUpAfterTheWaitLimitWhenNoWorkerComes) {
 }
 
 TEST_F(RemoteEvaluation, FailsWhenItsOwnWorkersCannotRun) {
-  RemoteOptions options;
+  FleetOptions options;
   options.local_workers = 2;
   options.worker_program = "/bin/false";
-  auto evaluator = RemoteEvaluator::open(chain_, options, stop_);
+  auto evaluator = FleetEvaluator::open(chain_, options, stop_);
   ASSERT_TRUE(evaluator.has_value());
   const auto tallies = (*evaluator)->evaluate(trees_, job(0));
   ASSERT_FALSE(tallies.has_value());
@@ -257,11 +311,11 @@ TEST_F(RemoteEvaluation, FailsWhenItsOwnWorkersCannotRun) {
 
 TEST_F(RemoteEvaluation, StopsWhenAsked) {
   StopFlag stop;
-  RemoteOptions options;
+  FleetOptions options;
   options.local_workers = 1;
   options.worker_program = COPPICE_WORKER_PROGRAM;
   options.batch_sent = [&](pid_t) { stop.raise(); };
-  auto evaluator = RemoteEvaluator::open(chain_, options, stop);
+  auto evaluator = FleetEvaluator::open(chain_, options, stop);
   ASSERT_TRUE(evaluator.has_value());
   const auto tallies = (*evaluator)->evaluate(trees_, job(0));
   ASSERT_FALSE(tallies.has_value());
@@ -270,10 +324,10 @@ TEST_F(RemoteEvaluation, StopsWhenAsked) {
 
 TEST_F(RemoteEvaluation, RefusesADomainThatIsTaken) {
   const auto first = open(0);
-  RemoteOptions options;
+  FleetOptions options;
   options.domain = first->domain();
   // Another process' domain looks like this; in one process the second join fails for the same port.
-  const auto second = RemoteEvaluator::open(chain_, options, stop_);
+  const auto second = FleetEvaluator::open(chain_, options, stop_);
   ASSERT_FALSE(second.has_value());
   EXPECT_NE(second.error().message.find("--domain"), std::string::npos) << second.error().message;
 }

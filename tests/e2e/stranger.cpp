@@ -1,10 +1,16 @@
 // A program that speaks the wire contract badly, on purpose, for the tests:
 //   stranger DOMAIN noise   writes damaged and foreign samples of every kind that a worker may write, then leaves
 //   stranger DOMAIN next    a worker of the next protocol version
+//   stranger DOMAIN build   a worker of another build, which computes otherwise
 //   stranger DOMAIN knock   says that it is a worker and answers batches that it was never given, for 3 s; prints how
 //                           many samples it heard
 //   stranger DOMAIN forge   answers, and takes its leave, in the name of every worker that the coordinator
 //                           shows, for 3 s; prints in how many names
+//   stranger DOMAIN dispose, unregister, vanish or steal   for 2 s, again and again, to every worker that the
+//   coordinator
+//                           shows: disposes of its Hello; unregisters it with a writer that disposes then; takes its
+//                           leave by a writer that is deleted at once, so that nobody can be asked whose it was;
+//                           disposes of it and says Hello in its name. Prints to how many names
 //   stranger DOMAIN rule    tries to write what only a coordinator may write; prints what it was allowed
 //   stranger DOMAIN usurp IDENTITY RULES PORT     plays the coordinator (usurp.hpp)
 // It goes to the coordinator on this machine, or on COPPICE_STRANGER_HOST. A third argument is the folder of an
@@ -83,6 +89,7 @@ void write_hello(wire::Writer<wire::Hello>& hellos, const wire::Control& control
   wire::Hello hello{};
   hello.protocol = control.protocol;
   hello.worker = 0xBAD;
+  hello.golden = control.golden;
   hello.run_id = control.run_id;
   wire::put_text(hello.host, "\x1b[31mevil\x07");
   hello.threads = 0;
@@ -197,6 +204,7 @@ void forge_for(std::uint64_t worker, const wire::Control& control, wire::Writer<
   wire::Hello hello{};
   hello.protocol = control.protocol;
   hello.worker = worker;
+  hello.golden = control.golden;
   hello.run_id = control.run_id;
   hello.leaving = true;
   if (auto ok = hellos.write(hello); !ok) {
@@ -239,6 +247,92 @@ int forge(std::uint32_t domain, const wire::Network& network) {
   return forged.empty() ? fail("nobody to forge for") : 0;
 }
 
+// A writer as DDS makes it by default: what it unregisters it disposes of.
+dds_entity_t plain_writer(const wire::Participant& participant) {
+  dds_qos_t* qos = dds_create_qos();
+  dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
+  dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
+  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 1);
+  dds_qset_liveliness(qos, DDS_LIVELINESS_AUTOMATIC, DDS_MSECS(wire::kLivelinessLeaseMs));
+  static const dds_entity_t topic =
+      dds_create_topic(participant.get(), &coppice_wire_Hello_desc, "coppice_Hello", qos, nullptr);
+  const dds_entity_t writer = dds_create_writer(participant.get(), topic, qos, nullptr);
+  dds_delete_qos(qos);
+  return writer < 0 ? std::exit(fail(dds_strretcode(-writer))), writer : writer;
+}
+
+void await_match(dds_entity_t writer) {
+  dds_publication_matched_status_t status{};
+  for (int i = 0; i < kMostWaits && status.current_count == 0; ++i) {
+    dds_get_publication_matched_status(writer, &status);
+    dds_sleepfor(DDS_MSECS(10));
+  }
+}
+
+void take_away(std::string_view way, const wire::Participant& participant, dds_entity_t writer, wire::Hello hello) {
+  if (way == "unregister") {
+    dds_instance_handle_t handle = 0;
+    dds_register_instance(writer, &handle, &hello);
+    dds_unregister_instance(writer, &hello);
+    return;
+  }
+  if (way == "vanish") {
+    hello.leaving = true;
+    const dds_entity_t brief = plain_writer(participant);
+    await_match(brief);
+    dds_write(brief, &hello);
+    dds_delete(brief);
+    return;
+  }
+  dds_dispose(writer, &hello);
+  if (way == "steal") {
+    dds_write(writer, &hello);
+  }
+}
+
+int take_workers_away(std::uint32_t domain, const wire::Network& network, std::string_view way) {
+  constexpr std::chrono::seconds kTime{2};
+  constexpr std::chrono::milliseconds kInterval{20};
+  const auto participant = join(domain, network);
+  const auto controls = required(wire::Reader<wire::Control>::make(participant));
+  const auto fleets = required(wire::Reader<wire::Fleet>::make(participant));
+  auto waiter = required(wire::Waiter::make(participant));
+  const dds_entity_t writer = plain_writer(participant);
+  await_match(writer);
+  wire::Control control{};
+  std::set<std::uint64_t> names;
+  std::chrono::steady_clock::time_point end{};
+  for (int i = 0; i < kMostWaits * 5 && (names.empty() || std::chrono::steady_clock::now() < end); ++i) {
+    waiter.wait(kInterval);
+    controls.take(16, [&](const wire::Control& sample, const dds_sample_info_t& info) {
+      control = info.valid_data ? sample : control;
+    });
+    fleets.take(16, [&](const wire::Fleet& fleet, const dds_sample_info_t& info) {
+      if (!info.valid_data || control.run_id == 0 || fleet.workers._length == 0) {
+        return;
+      }
+      if (names.empty()) {
+        end = std::chrono::steady_clock::now() + kTime;
+      }
+      for (std::uint32_t worker = 0; worker < fleet.workers._length; ++worker) {
+        names.insert(fleet.workers._buffer[worker].worker);
+      }
+    });
+    for (const std::uint64_t name : names) {
+      wire::Hello hello{};
+      hello.protocol = wire::kProtocolVersion;
+      hello.golden = control.golden;
+      hello.worker = name;
+      hello.run_id = control.run_id;
+      hello.threads = 1;
+      hello.chains = {1, 1, &control.chain, false};
+      take_away(way, participant, writer, hello);
+    }
+  }
+  std::printf("attacked %zu names\n", names.size());
+  return names.empty() ? fail("nobody to take away") : 0;
+}
+
 template <typename Sample>
 void try_to_write(const wire::Participant& participant, const char* name) {
   auto writer = wire::Writer<Sample>::make(participant);
@@ -254,13 +348,14 @@ int rule(std::uint32_t domain, const wire::Network& network) {
   return 0;
 }
 
-int serve_next_version(std::uint32_t domain) {
+int serve_as(std::uint32_t domain, std::uint32_t protocol, std::uint64_t golden) {
   block_stop_signals();
   StopFlag stop;
   const StopOnSignals signals(stop);
   ServeOptions options;
   options.domain = domain;
-  options.protocol = wire::kProtocolVersion + 1;
+  options.protocol = protocol;
+  options.golden = golden;
   options.version = "99.0";
   const auto served = serve(options, stop);
   return served ? 0 : fail(served.error().message);
@@ -272,7 +367,8 @@ int main(int argc, char** argv) {
   const std::string_view mode(argc > 2 ? argv[2] : "");
   if (mode == "usurp" ? argc != 6 : argc != 3 && argc != 4) {
     return fail(
-        "usage: stranger DOMAIN noise|next|knock|forge|rule [IDENTITY], or stranger DOMAIN usurp IDENTITY RULES PORT");
+        "usage: stranger DOMAIN noise|next|build|knock|forge|rule [IDENTITY], or stranger DOMAIN usurp IDENTITY RULES "
+        "PORT");
   }
   const auto domain = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10));
   wire::Network network;
@@ -289,5 +385,12 @@ int main(int argc, char** argv) {
   if (mode == "forge") {
     return forge(domain, network);
   }
-  return mode == "rule" ? rule(domain, network) : serve_next_version(domain);
+  if (mode == "dispose" || mode == "unregister" || mode == "vanish" || mode == "steal") {
+    return take_workers_away(domain, network, mode);
+  }
+  if (mode == "rule") {
+    return rule(domain, network);
+  }
+  return mode == "build" ? serve_as(domain, wire::kProtocolVersion, golden_checksum() + 1)
+                         : serve_as(domain, wire::kProtocolVersion + 1, golden_checksum());
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/fitness/golden_job.hpp"
 #include "common/wire/topics.hpp"
 #include "common/wire/waiter.hpp"
 
@@ -57,6 +58,7 @@ class Orders {
     wire::Control control{};
     control.protocol = wire::kProtocolVersion;
     control.run_id = 0xE71;
+    control.golden = golden_checksum();
     wire::put_text(control.host, "usurper");
     control.chain_size = 1'000'000;
     wire::Task task{};

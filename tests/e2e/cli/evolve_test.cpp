@@ -11,8 +11,8 @@ class Evolve : public CommandLine {
 
   // Small, and the same for every way to evaluate.
   std::vector<std::string> small(std::vector<std::string> more) const {
-    std::vector<std::string> arguments = {"evolve", "study.coppice",   "--set", "ga.generations=12",
-                                          "--set",  "ga.population=40"};
+    std::vector<std::string> arguments = {"evolve", "study.coppice",     "--config", "thesis",
+                                          "--set",  "ga.generations=12", "--set",    "ga.population=40"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }
@@ -97,8 +97,8 @@ TEST_F(Evolve, AWorkerProgramThatIsMissingIsAFailure) {
 }
 
 TEST_F(Evolve, AStudyThatIsRemovedMeanwhileIsAFailure) {
-  Process process(command({"evolve", "study.coppice", "--serial", "--set", "ga.generations=100000", "--set",
-                           "ga.population=20", "--lines-every", "1"}));
+  Process process(command({"evolve", "study.coppice", "--serial", "--config", "thesis", "--set",
+                           "ga.generations=100000", "--set", "ga.population=20", "--lines-every", "1"}));
   process.await_error("evolve: 2/100000 generations");
   std::filesystem::remove(path("study.coppice"));
   EXPECT_EQ(process.wait(), kFailed);
@@ -107,7 +107,7 @@ TEST_F(Evolve, AStudyThatIsRemovedMeanwhileIsAFailure) {
 
 TEST_F(Evolve, AnInterruptionKeepsTheBestSoFarAndResumeGoesOn) {
   const std::vector<std::string> endless = {
-      "evolve", "study.coppice",    "--serial",      "--set", "ga.generations=100000",
+      "evolve", "study.coppice",    "--config",      "thesis", "--serial", "--set", "ga.generations=100000",
       "--set",  "ga.population=20", "--lines-every", "1"};
   Process process(command(endless));
   process.await_error("evolve: 5/100000 generations");

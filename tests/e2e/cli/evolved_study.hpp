@@ -2,6 +2,7 @@
 // the same study, seed and configuration have the same, whatever happened to either.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,10 @@ class EvolvedStudy : public CommandLine {
 
   static std::vector<std::string> evolve(const std::string& study, const std::vector<std::string>& more) {
     std::vector<std::string> arguments = {"evolve", study};
+    const auto has = [&](const char* flag) { return std::find(more.begin(), more.end(), flag) != more.end(); };
+    if (!has("--config") && !has("--resume")) {  // the quickest
+      arguments.insert(arguments.end(), {"--config", "thesis"});
+    }
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }

@@ -70,8 +70,38 @@ TEST_F(Refine, PrintsALineForEachRound) {
                "--score-episodes", "5", "--serial", "--set", "ga.generations=3"});
   ASSERT_EQ(completed.ending, kDone) << completed.error;
   const auto lines = lines_of(completed.output);
-  ASSERT_EQ(lines.size(), 6U) << completed.output;
-  EXPECT_EQ(lines[5], "study of the last round: refined/round-1.coppice");
+  ASSERT_EQ(lines.size(), 8U) << completed.output;
+  EXPECT_EQ(lines[5].rfind("best: round ", 0), 0U) << lines[5];
+  EXPECT_EQ(lines[7], lines[5].rfind("best: round 0", 0) == 0 ? "its study: study.coppice"
+                                                              : "its study: refined/round-1.coppice");
+}
+
+TEST_F(Refine, EvolvesAsTheRefinedRunDidUnlessItIsToldOtherwise) {
+  for (const char* generations : {"7", "9"}) {
+    ASSERT_EQ(coppice({"evolve", "study.coppice", "--config", "thesis", "--serial", "--seed", "3", "--set",
+                       "ga.population=12", "--set", std::string("ga.generations=") + generations})
+                  .ending,
+              kDone);
+  }
+  write("five.toml", "[ga]\ngenerations = 5\n");
+  const auto configuration = [&](const std::string& folder, std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"refine", "study.coppice", "-o", folder,     "--rounds",
+                                          "1",      "--episodes",    "10", "--serial", "--score-episodes",
+                                          "5"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(coppice(arguments).ending, kDone);
+    return coppice_json({"info", folder + "/round-1.coppice", "--json"})["runs"][0]["configuration"];
+  };
+  const auto last = configuration("last", {});
+  EXPECT_EQ(last["ga"]["generations"], 9);
+  EXPECT_EQ(last["ga"]["population"], 12);
+  EXPECT_EQ(last["seed"], 4) << "the run's, and one a round";
+  EXPECT_EQ(configuration("first", {"--run", "1"})["ga"]["generations"], 7);
+  EXPECT_EQ(configuration("given", {"--tree", kWallTree})["ga"]["generations"], 9);
+  EXPECT_EQ(configuration("set", {"--set", "ga.generations=4"})["ga"]["generations"], 4);
+  const auto file = configuration("file", {"--config", "five.toml"});
+  EXPECT_EQ(file["ga"]["generations"], 5);
+  EXPECT_NE(file["ga"]["population"], 12) << "a file starts from the defaults";
 }
 
 TEST_F(Refine, InterruptedKeepsTheRoundsBeforeAndTheBestSoFar) {

@@ -8,9 +8,9 @@ namespace {
 class Run : public CommandLine {
  protected:
   std::vector<std::string> small(std::vector<std::string> more) const {
-    std::vector<std::string> arguments = {
-        "run",   "--episodes",        "400",   "--serial",        "--score-episodes", "5",
-        "--set", "ga.generations=10", "--set", "ga.population=30"};
+    std::vector<std::string> arguments = {"run",      "--config",         "thesis", "--episodes", "400",
+                                          "--serial", "--score-episodes", "5",      "--set",      "ga.generations=10",
+                                          "--set",    "ga.population=30"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }
@@ -19,8 +19,8 @@ class Run : public CommandLine {
 TEST_F(Run, MakesAFolderWithStudyDrawingsAndTable) {
   const Completed completed = coppice(small({"-o", "first"}));
   ASSERT_EQ(completed.ending, kDone) << completed.error;
-  for (const char* file :
-       {"study.coppice", "evolved.svg", "evolved.dot", "pruned.svg", "pruned.dot", "table-iv.txt", "table-iv.json"}) {
+  for (const char* file : {"study.coppice", "evolved.svg", "evolved.dot", "pruned.svg", "pruned.dot", "table-iv.txt",
+                           "table-iv.json", "report.html"}) {
     EXPECT_TRUE(exists(std::string("first/") + file)) << file;
   }
   EXPECT_NE(completed.output.find(read("first/table-iv.txt")), std::string::npos) << completed.output;
@@ -31,17 +31,31 @@ TEST_F(Run, MakesAFolderWithStudyDrawingsAndTable) {
       << completed.output;
   EXPECT_NE(completed.output.find("first/pruned.svg"), std::string::npos);
   EXPECT_NE(completed.output.find("study: first/study.coppice"), std::string::npos);
+  EXPECT_TRUE(completed.output.ends_with("report, to open in a browser: first/report.html\n")) << completed.output;
 }
 
 TEST_F(Run, IsTheSameAsItsParts) {
   const auto whole = coppice_json(small({"-o", "whole", "--seed", "4", "--json"}));
   ASSERT_EQ(coppice({"learn", "-o", "s.coppice", "--episodes", "400", "--seed", "4"}).ending, kDone);
-  const auto evolved = coppice_json({"evolve", "s.coppice", "--serial", "--seed", "4", "--set", "ga.generations=10",
-                                     "--set", "ga.population=30", "--json"});
+  const auto evolved = coppice_json({"evolve", "s.coppice", "--serial", "--config", "thesis", "--seed", "4", "--set",
+                                     "ga.generations=10", "--set", "ga.population=30", "--json"});
   const auto score = coppice_json({"score", "s.coppice", "--episodes", "5", "--seed", "4", "--json"});
   EXPECT_EQ(whole["evolve"]["tree"], evolved["tree"]);
   EXPECT_EQ(whole["evolve"]["fitness"], evolved["fitness"]);
   EXPECT_EQ(whole["score"], score);
+}
+
+TEST_F(Run, UnlessToldOtherwiseGivesAGuardedTreeChosenByWhatItIsWorthInTheSimulator) {
+  const auto report = coppice_json({"run", "--episodes", "2000", "--serial", "--score-episodes", "20", "--set",
+                                    "ga.generations=4", "--set", "ga.population=60", "-o", "best", "--json"});
+  const auto& answer = report["evolve"]["answer"];
+  EXPECT_EQ(answer["prefer"], "balance");
+  EXPECT_TRUE(answer["simulated"]);
+  EXPECT_GT(answer["tried"], 1);
+  EXPECT_GT(answer["episodes"], 0);
+  const auto run = coppice_json({"info", "best/study.coppice", "--json"})["runs"].at(0);
+  EXPECT_EQ(run["configuration"]["ga"]["form"], "guarded");
+  EXPECT_EQ(run["tree"], report["evolve"]["tree"]);
 }
 
 TEST_F(Run, NeverOverwrites) {

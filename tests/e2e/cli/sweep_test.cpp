@@ -45,8 +45,9 @@ TEST_F(Sweep, OverWorkersEqualsTheSerialOneAndTheRunsAlone) {
   EXPECT_NE(read("workers/sweep.svg").find("rollout.acting=policy"), std::string::npos);
   EXPECT_NE(workers.output.find("rollout.acting=policy     3"), std::string::npos) << workers.output;
 
-  const auto alone = coppice_json({"evolve", "study.coppice", "--serial", "--set", "ga.generations=6", "--set",
-                                   "ga.population=30", "--set", "rollout.acting=policy", "--seed", "2", "--json"});
+  const auto alone =
+      coppice_json({"evolve", "study.coppice", "--serial", "--config", "thesis", "--set", "ga.generations=6", "--set",
+                    "ga.population=30", "--set", "rollout.acting=policy", "--seed", "2", "--json"});
   EXPECT_NE(read("serial/runs.csv").find(alone["pruned"].get<std::string>()), std::string::npos);
 }
 
@@ -63,6 +64,22 @@ TEST_F(Sweep, GoesOnFromTheRunsThatHaveEnded) {
   ASSERT_EQ(resumed.ending, kDone) << resumed.error;
   EXPECT_EQ(runs("part"), runs("whole"));
   EXPECT_EQ(lines_of(read("part/runs.jsonl")).size(), 7U);  // with the one that was cut short
+}
+
+TEST_F(Sweep, DoesNotGoOnInTheFolderOfAnotherSweepAndLeavesItsTablesAlone) {
+  ASSERT_EQ(coppice({"sweep", "study.coppice", "--config", "sweep.toml", "-o", "swept", "--serial"}).ending, kDone);
+  const std::string tables = read("swept/settings.csv") + read("swept/runs.csv");
+  write("other.toml", "seeds = 3\nepisodes = 4\n[set]\nga.generations = 5\n");
+  expect_wrong_use({"sweep", "study.coppice", "--config", "other.toml", "-o", "swept", "--serial", "--resume"},
+                   {"swept/runs.jsonl: line 1", "a run that this sweep does not have"});
+  EXPECT_EQ(read("swept/settings.csv") + read("swept/runs.csv"), tables);
+  write("more.toml",
+        "seeds = 4\nepisodes = 4\n[set]\nga.generations = 6\nga.population = 30\n"
+        "[grid]\nrollout.acting = [\"tree\", \"policy\"]\n");
+  const Completed more =
+      coppice({"sweep", "study.coppice", "--config", "more.toml", "-o", "swept", "--serial", "--resume"});
+  ASSERT_EQ(more.ending, kDone) << more.error;
+  EXPECT_EQ(runs("swept").size(), 9U);
 }
 
 TEST_F(Sweep, RefusesWhatIsWrongBeforeItMakesAFolder) {

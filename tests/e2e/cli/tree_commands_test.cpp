@@ -120,7 +120,7 @@ TEST_F(TreeCommands, ADrawingThatFailsHalfwayKeepsTheOldFile) {
         "#!/bin/sh\nwhile [ $# -gt 0 ]; do [ \"$1\" = -o ] && printf half > \"$2\"; shift; done\n"
         "printf 'out of \\033[31mink\\n' >&2\nexit 3\n");
   ASSERT_EQ(chmod(path("dot").c_str(), 0755), 0);
-  Command draw = command({"draw", "study.coppice", "--tree", kWallTree, "-o", "t.svg"});
+  Command draw = command({"draw", "study.coppice", "--tree", kWallTree, "-o", "t.svg", "--force"});
   draw.environment = {{"PATH", path("")}};
   const Completed completed = run_to_end(draw);
   EXPECT_EQ(completed.ending, kFailed);

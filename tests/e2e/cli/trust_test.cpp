@@ -128,7 +128,9 @@ TEST_F(Trust, WhatExplainSuggestsEditAppliesAndItSavesWhatItSays) {
 TEST_F(Trust, EditWithoutAChangeShowsTheNumberedTree) {
   const Completed shown = coppice({"edit", "study.coppice", "--tree", kWallTree, "--episodes", "20"});
   EXPECT_EQ(shown.ending, kDone) << shown.error;
-  EXPECT_EQ(shown.output.rfind("  0  selector\n  1    sequence\n  2      s3=0\n  3      turn_left\n  4    move\n", 0),
+  EXPECT_EQ(shown.output.rfind("  0  selector\n  1    sequence\n  2      s3=0                      ahead is wall\n"
+                               "  3      turn_left\n  4    move\n",
+                               0),
             0U)
       << shown.output;
   EXPECT_EQ(files(), std::vector<std::string>{"study.coppice"});

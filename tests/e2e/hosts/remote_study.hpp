@@ -40,13 +40,12 @@ class RemoteStudy : public EvolvedStudy {
   }
 
   Command coordinator(std::vector<std::string> more) const {
-    std::vector<std::string> arguments =
-        evolve("study.coppice", {"--remote", "--domain", domain_, "--lines-every", "1", "--json", "--wait", wait_});
+    std::vector<std::string> flags = {"--remote", "--domain", domain_, "--lines-every", "1", "--json", "--wait", wait_};
     if (hosts_) {
-      arguments.insert(arguments.end(), {"--interface", "eth0"});
+      flags.insert(flags.end(), {"--interface", "eth0"});
     }
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return there(kCoordinatorHost, command(std::move(arguments)));
+    flags.insert(flags.end(), more.begin(), more.end());
+    return there(kCoordinatorHost, command(evolve("study.coppice", flags)));
   }
   std::unique_ptr<Process> start_coordinator(const std::vector<std::string>& more) const {
     return std::make_unique<Process>(coordinator(more));

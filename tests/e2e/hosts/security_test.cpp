@@ -187,6 +187,61 @@ TEST_F(Security, KeepsAWorkersIdentityFromCoordinating) {
   EXPECT_NE(said.find("Not Allowed By Security"), std::string::npos) << said;
 }
 
+// Keys stay where they were made; a host that was revoked is met by nobody who knows it, the others go on.
+TEST_F(Security, GivesEveryHostAnIdentityOfItsOwnThatCanBeRevoked) {
+  const auto certificates = [&](std::vector<std::string> arguments) {
+    const Completed made = run_to_end({.program = COPPICE_SOURCE_DIR "/deploy/security/make-certificates.sh",
+                                       .arguments = std::move(arguments),
+                                       .folder = path("."),
+                                       .environment = {}});
+    ASSERT_EQ(made.ending, kDone) << made.error;
+  };
+  certificates({"authority", "site"});
+  for (const auto& [role, name] :
+       {std::pair{"coordinator", "c1"}, std::pair{"worker", "w1"}, std::pair{"worker", "w2"}}) {
+    certificates({"request", name});
+    certificates({"sign", "site", name + std::string("/request.pem"), role, name, "signed"});
+    EXPECT_FALSE(exists("signed/key.pem"));
+    ASSERT_EQ(shell(std::string("cp signed/* ") + name).ending, kDone);
+  }
+  const auto expected = serial_runs(kSettings);
+  start_worker(0, secured({"--pace", "2ms"}, "w1"));
+  start_worker(0, secured({"--pace", "2ms"}, "w2"));
+  const auto both = start_coordinator(secured(kSettings, "c1"));
+  both->await_error("2 workers");
+  report_of(*both);
+  expect_same_runs("study.coppice", expected);
+
+  certificates({"revoke", "site", "w1/certificate.pem"});
+  std::filesystem::copy_file(path("site/authority/crl.pem"), path("c1/crl.pem"));
+  workers_[1]->signal(SIGTERM);
+  EXPECT_EQ(workers_[1]->wait(), kDone);
+  wait_ = "3";
+  const auto without = start_coordinator(secured(kSettings, "c1"));
+  EXPECT_NE(without->wait(), kDone) << "w1 is there, and revoked";
+  const std::string said = without->rest_of_error();
+  EXPECT_NE(said.find("no worker within 3 s"), std::string::npos) << said;
+  wait_ = "60";
+  start_worker(0, secured({"--pace", "2ms"}, "w2"));
+  const auto again = start_coordinator(secured(kSettings, "c1"));
+  EXPECT_EQ(report_of(*again)["dispatch"]["workers_lost"], 0);
+
+  // Once it is told, it says so itself.
+  std::filesystem::copy_file(path("site/authority/crl.pem"), path("w1/crl.pem"));
+  Process& revoked = start_worker(0, secured({}, "w1"));
+  EXPECT_EQ(revoked.wait(), kWrongUse);
+  const std::string why = revoked.rest_of_error();
+  EXPECT_NE(why.find("w1/certificate.pem was revoked"), std::string::npos) << why;
+}
+
+TEST_F(Security, WarnsBeforeAnIdentityEnds) {
+  const Completed made = run_to_end({.program = COPPICE_SOURCE_DIR "/deploy/security/make-certificates.sh",
+                                     .arguments = {path("short"), "--days", "20"}});
+  ASSERT_EQ(made.ending, kDone) << made.error;
+  Process& worker = start_worker(0, secured({}, "short/worker"));
+  worker.await_error("short/worker/certificate.pem ends in");
+}
+
 TEST_F(Security, NamesWhatIsWrongWithAnIdentity) {
   make_certificates("theirs");
   const auto expect_refusal = [&](const std::string& part) {
@@ -201,6 +256,12 @@ TEST_F(Security, NamesWhatIsWrongWithAnIdentity) {
   write("ours/coordinator/key.pem", "no key");
   expect_refusal("key.pem holds no private key");
   write("ours/coordinator/key.pem", key);
+  ASSERT_EQ(shell("chmod 644 ours/coordinator/key.pem").ending, kDone);
+  expect_refusal("key.pem can be read by everybody on this machine (mode 644)");
+  ASSERT_EQ(shell("chmod 600 ours/coordinator/key.pem").ending, kDone);
+  write("ours/coordinator/crl.pem", "no list");
+  expect_refusal("crl.pem is no list of revoked certificates");
+  std::filesystem::remove(path("ours/coordinator/crl.pem"));
   write("ours/coordinator/identity_ca.pem", read("theirs/coordinator/identity_ca.pem"));
   expect_refusal("certificate.pem was not signed by identity_ca.pem");
   std::filesystem::remove(path("ours/coordinator/governance.smime"));

@@ -2,8 +2,10 @@
 // and a coordinator that can be ended and resumed at any moment.
 #pragma once
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <random>
 #include <signal.h>
 #include <sys/mount.h>
@@ -35,6 +37,11 @@ class SoakSite : public RemoteStudy {
     RemoteStudy::SetUp();
     std::filesystem::create_directory(path("disk"));
     mounted_ = geteuid() == 0 && mount("coppice-soak", path("disk").c_str(), "tmpfs", 0, "size=64m") == 0;
+    if (secured_) {
+      const Completed made = run_to_end(
+          {.program = COPPICE_SOURCE_DIR "/deploy/security/make-certificates.sh", .arguments = {path("ours")}});
+      ASSERT_EQ(made.ending, kDone) << made.error;
+    }
     write("clock", "+0");
     chains_.push_back(read("study.coppice"));
     ASSERT_EQ(coppice({"learn", "-o", "other.coppice", "--episodes", "400", "--seed", "6"}).ending, kDone);
@@ -53,12 +60,59 @@ class SoakSite : public RemoteStudy {
     return has_clocks_ && below(2) == 0 ? with_clock(std::move(command)) : command;
   }
 
+  // What everybody says in an evolution is kept, to be read when it does not end as it should.
+  void begin_logs(int evolution) {
+    logs_ = path("logs-" + std::to_string(evolution));
+    std::filesystem::create_directory(logs_);
+    history_.clear();
+  }
+  Command logged(Command command) {
+    const std::string log = logs_ + "/worker-" + std::to_string(++logged_) + ".log";
+    std::vector<std::string> arguments = {"-c", R"(exec "$0" "$@" 2> ')" + log + "'", command.program};
+    arguments.insert(arguments.end(), command.arguments.begin(), command.arguments.end());
+    command.program = "/bin/sh";
+    command.arguments = std::move(arguments);
+    return command;
+  }
+  void keep_coordinators_log() {
+    if (coordinator_ != nullptr) {
+      std::ofstream(logs_ + "/coordinator.log", std::ios::app) << coordinator_->rest_of_error() << "-- ended\n";
+    }
+  }
+  std::string all_logs() {
+    keep_coordinators_log();
+    std::string all = history_ + "\n";
+    for (const auto& entry : std::filesystem::directory_iterator(logs_)) {
+      std::ifstream file(entry.path());
+      all += "== " + entry.path().filename().string() + "\n" + std::string(std::istreambuf_iterator<char>(file), {});
+    }
+    return all;
+  }
+  // Those of an evolution that went well go, unless a folder for them is named.
+  void end_logs(bool well) {
+    if (const char* const folder = std::getenv("COPPICE_SOAK_LOGS"); folder != nullptr) {
+      keep_coordinators_log();
+      std::filesystem::create_directories(folder);
+      std::filesystem::copy(
+          logs_, std::filesystem::path(folder) / std::filesystem::path(logs_).filename(),
+          std::filesystem::copy_options::recursive | std::filesystem::copy_options::overwrite_existing);
+    }
+    if (well) {
+      std::filesystem::remove_all(logs_);
+    }
+  }
+
   void add_worker() {
     const std::size_t host = some_host();
     const std::string port = std::to_string(kFirstPort + next_port_++ % kPorts);
-    workers_.push_back(std::make_unique<Process>(there(
-        host, perhaps_with_clock(worker({"--pace", std::to_string(200 + below(2000)) + "us", "--threads",
-                                         std::to_string(1 + below(2)), "--port", port, "--log-level", "warn"})))));
+    std::vector<std::string> flags = {"--pace",      std::to_string(200 + below(2000)) + "us",
+                                      "--threads",   std::to_string(1 + below(2)),
+                                      "--port",      port,
+                                      "--log-level", "warn"};
+    if (secured_) {
+      flags.insert(flags.end(), {"--security", path("ours/worker")});
+    }
+    workers_.push_back(std::make_unique<Process>(there(host, perhaps_with_clock(logged(worker(std::move(flags)))))));
     doors_.push_back(address(host) + ":" + port);
   }
   void remove_worker(std::size_t which) {
@@ -72,13 +126,17 @@ class SoakSite : public RemoteStudy {
   }
 
   void coordinate(std::vector<std::string> more) {
-    std::vector<std::string> arguments =
-        evolve("disk/study.coppice",
-               {"--remote", "--domain", domain_, "--lines-every", "1", "--cross-check", all_checked_ ? "1" : "0.01"});
+    std::vector<std::string> flags = {
+        "--remote", "--domain", domain_, "--lines-every", "1", "--cross-check", all_checked_ ? "1" : "0.01"};
     if (hosts_) {
-      arguments.insert(arguments.end(), {"--interface", "eth0"});
+      flags.insert(flags.end(), {"--interface", "eth0"});
     }
-    arguments.insert(arguments.end(), more.begin(), more.end());
+    if (secured_) {
+      flags.insert(flags.end(), {"--security", path("ours/coordinator")});
+    }
+    flags.insert(flags.end(), more.begin(), more.end());
+    std::vector<std::string> arguments = evolve("disk/study.coppice", flags);
+    keep_coordinators_log();
     coordinator_ =
         std::make_unique<Process>(there(kCoordinatorHost, perhaps_with_clock(command(std::move(arguments)))));
   }
@@ -143,6 +201,10 @@ class SoakSite : public RemoteStudy {
     return list.empty() ? "none" : list.back()["status"].get<std::string>();
   }
 
+  const bool secured_ = std::getenv("COPPICE_SOAK_SECURITY") != nullptr;
+  std::string logs_;  // folder
+  std::size_t logged_ = 0;
+  std::string history_;  // of faults, in this evolution
   std::mt19937 random_;
   std::vector<std::string> chains_;  // studies, not evolved yet
   std::unique_ptr<Process> coordinator_;
