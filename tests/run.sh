@@ -3,7 +3,8 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-deploy/install-packages.sh tests
-cmake --preset release -DCOPPICE_TESTS=ON
+deploy/install-packages.sh tests page
+tests/judges/venv.sh
+deploy/configure.sh release -DCOPPICE_TESTS=ON
 cmake --build --preset release
 ctest --preset release "$@"

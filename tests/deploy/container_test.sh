@@ -47,12 +47,12 @@ echo "run by $way"
 coppice() { "${inside[@]}" coppice "$@"; }
 coppice learn -o study.coppice --episodes 400 --seed 5
 cp "$work/data/study.coppice" "$work/data/serial.coppice"
-coppice evolve serial.coppice --serial --seed 4 --set ga.generations=60
+coppice evolve serial.coppice --serial --seed 4 --config thesis --set ga.generations=60
 for _ in 1 2; do
   # In a process group of its own, to be ended as a whole.
   setsid "${inside[@]}" coppice-worker --coordinator 127.0.0.1 --domain 207 & workers+=($!)
 done
-coppice evolve study.coppice --remote --domain 207 --seed 4 --set ga.generations=60
+coppice evolve study.coppice --remote --domain 207 --seed 4 --config thesis --set ga.generations=60
 figures() { coppice info "$1" --json | sed -E 's/"(started|ended|evaluator|study)":"[^"]*",?//g; s/"seconds":[^,}]*,?//g; s/"dispatch":\{[^}]*\},?//g'; }
 diff <(figures serial.coppice) <(figures study.coppice)
 echo "containers evolved the serial result"

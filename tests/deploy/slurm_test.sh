@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # deploy/slurm/coppice.sbatch on a Slurm of this machine's own: a real slurmctld and slurmd, a coordinator and three
-# workers as a job array; the result equals the serial one. Needs root and Debian's slurm-wlm.
+# workers as a job array; the coordinator is requeued in mid-run, and the result equals the serial one. Needs root and Debian's slurm-wlm.
 #   slurm_test.sh SOURCE BIN      exit 77: skipped
 set -euo pipefail
 source=$1
@@ -57,11 +57,14 @@ done
 
 "$bin/coppice" learn -o "$folder/study.coppice" --episodes 400 --seed 5 > /dev/null 2>&1
 cp "$folder/study.coppice" "$folder/serial.coppice"
-settings=(--seed 4 --set ga.generations=100)
-"$bin/coppice" evolve "$folder/serial.coppice" --serial "${settings[@]}" > "$folder/serial" 2> /dev/null
+settings=(--config thesis --seed 4 --set ga.generations=600 --wait 120)
+"$bin/coppice" evolve "$folder/serial.coppice" --serial "${settings[@]:0:6}" > "$folder/serial" 2> /dev/null
 cd "$folder"
-job=$(COPPICE_BIN=$bin sbatch --parsable --array=0-3 "$source/deploy/slurm/coppice.sbatch" "$folder/study.coppice" \
+job=$(COPPICE_BIN=$bin COPPICE_LOOK_EVERY=1 sbatch --requeue --parsable --array=0-3 "$source/deploy/slurm/coppice.sbatch" "$folder/study.coppice" \
   "${settings[@]}")
+# Once it has bred a few generations the coordinator is requeued; its workers find it again.
+until "$bin/coppice" info study.coppice --json | grep -q '"statistics":\[{'; do sleep 0.2; done
+scontrol requeue "${job}_0"
 while [ -n "$(squeue -h -j "$job" 2> /dev/null)" ]; do sleep 0.3; done
 
 figures() {
