@@ -73,6 +73,14 @@ std::string no_action_text(const Chain& chain) {
   return chain.vocabulary().actions[index_of(rule.action)];
 }
 
+// What a simulator is made of.
+std::string world_text(const Study& study) {
+  if (!study.problem().simulator.empty()) {
+    return "its own simulator";
+  }
+  return study.problem().source.empty() ? study.world().kind : "imported";
+}
+
 // What a problem has that our own worlds have not.
 void add_problem(const Study& study, Json& json) {
   const Chain& chain = study.chain();
@@ -172,7 +180,7 @@ Result<Json> json_of(const Study& study, const std::vector<RunRecord>& runs) {
   const Chain& chain = study.chain();
   Json json = {{"study", study.path()},
                {"chain", study.chain_hash().hex()},
-               {"world", study.problem().source.empty() ? study.world().kind : "imported"},
+               {"world", world_text(study)},
                {"states", chain.states()},
                {"actions", chain.vocabulary().actions},
                {"transitions", chain.transitions()},
@@ -269,7 +277,11 @@ void print_text(const Json& json) {
                     counted(run["generations"].get<std::uint64_t>(), "generation"), run["started"].get<std::string>(),
                     run["ended"].get<std::string>().empty() ? "" : ", ended " + run["ended"].get<std::string>()));
     print_line("  configuration", changes_text(run["configuration"]));
-    print_line("  result", pairs_text(run["result"]));
+    Json result = run["result"];
+    if (result.is_object()) {
+      result.erase("deme_curves");  // for the page
+    }
+    print_line("  result", pairs_text(result));
     for (const char* tree : {"tree", "pruned"}) {
       if (run.contains(tree)) {
         const std::string nodes = std::string(tree) == "tree" ? "nodes" : "pruned_nodes";

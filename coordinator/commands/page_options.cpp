@@ -1,6 +1,7 @@
 #include "coordinator/commands/page_options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <fmt/format.h>
 
 #include "common/tree/simplify.hpp"
@@ -69,7 +70,13 @@ PageRequest page_request(const PageOptions& options, const Study& study, const T
   Tree shown = as_it_is ? tree : simplify(tree, study.chain().vocabulary()).tree;
   const std::size_t nodes = shown.size();
   std::vector<std::string> rules = default_rules(study.world().kind);
-  rules.insert(rules.end(), options.rules.begin(), options.rules.end());
+  for (const std::vector<std::string>* more : {&study.problem().rules, &options.rules}) {
+    for (const std::string& rule : *more) {
+      if (std::find(rules.begin(), rules.end(), rule) == rules.end()) {
+        rules.push_back(rule);
+      }
+    }
+  }
   const Machine machine = this_machine();
   return {.tree = std::move(shown),
           .tree_from = source_of(options.tree, tree.size(), nodes),
@@ -83,7 +90,9 @@ PageRequest page_request(const PageOptions& options, const Study& study, const T
 
 Result<nlohmann::ordered_json> page_data_shown(const PageRequest& request, const Study& study, const StopFlag& stop) {
   Progress progress(stderr, progress_settings_for(stderr), "report", "%", 100);
-  return page_data(study, request, [&](double share) {
+  PageRequest stopped_by = request;
+  stopped_by.simulate.stop = &stop;
+  return page_data(study, stopped_by, [&](double share) {
     progress.update(static_cast<std::uint64_t>(100.0 * share));
     return !stop.raised();
   });

@@ -9,6 +9,7 @@
 #include "common/tree/simplify.hpp"
 #include "common/tree/text.hpp"
 #include "common/tree/tree_size.hpp"
+#include "coordinator/console/counted.hpp"
 #include "coordinator/evolution/config_text.hpp"
 #include "coordinator/runs/evolve_in_study.hpp"
 #include "coordinator/studio/page_numbers.hpp"
@@ -76,10 +77,18 @@ Result<EvolveConfig> config_of(const Study& study, const Tree& given, const Json
   return config;
 }
 
-Json workers_json(const DispatchStatistics& statistics, const EvaluatorChoice& choice) {
-  return Json::array({{{"name", in_words(choice)},
-                       {"doing", fmt::format("{} individuals evaluated, {} workers lost", statistics.individuals,
-                                             statistics.workers_lost)}}});
+// What they have done together, then each.
+Json workers_json(const DispatchStatistics& statistics, const EvaluatorChoice& choice,
+                  const std::vector<ListedWorker>& workers) {
+  Json json = Json::array({{{"name", in_words(choice)},
+                            {"doing", fmt::format("{} individuals evaluated, {} lost", statistics.individuals,
+                                                  counted(statistics.workers_lost, "worker"))}}});
+  for (const ListedWorker& worker : workers) {
+    json.push_back({{"name", fmt::format("{}, pid {}", worker.host, worker.pid)},
+                    {"doing", fmt::format("{}; {} individuals a second, {} since its start", worker.doing,
+                                          worker.each_second, worker.evaluated)}});
+  }
+  return json;
 }
 
 Result<Json> breed(const std::string& path, const EvaluatorChoice& evaluator, const Tree& founder, const Json& settings,
@@ -94,20 +103,34 @@ Result<Json> breed(const std::string& path, const EvaluatorChoice& evaluator, co
   }
   const Vocabulary& vocabulary = study->chain().vocabulary();
   std::uint32_t generations = config->ga.generations;
+  // All on this thread, which dispatches: as of the last generation, and of the last look at the workers.
+  Json detail = Json::object();
+  DispatchStatistics statistics;
+  std::vector<ListedWorker> workers;
+  const auto show = [&] {
+    detail["workers"] = workers_json(statistics, evaluator, workers);
+    progress.detail(detail);
+  };
+  EvaluatorChoice watched = evaluator;
+  watched.watch_workers = [&](const std::vector<ListedWorker>& now) {
+    workers = now;
+    show();
+  };
   EvolveWatch watch;
   watch.started = [&](RunId /*run*/, std::uint32_t total, std::uint32_t /*begin*/) { generations = total; };
-  watch.generation_done = [&](const GenerationRecord& record, const DispatchStatistics& statistics) {
+  watch.generation_done = [&](const GenerationRecord& record, const DispatchStatistics& so_far) {
     progress.show((record.generation + 1.0) / std::max<std::uint32_t>(generations, 1), "");
-    progress.detail({{"generation", record.generation + 1},
-                     {"generations", generations},
-                     {"best_fitness", page_number(record.best.fitness)},
-                     {"mean_fitness", page_number(record.mean_fitness)},
-                     {"best_nodes", record.best_nodes()},
-                     {"best_tree", to_text(record.best.tree, vocabulary)},
-                     {"workers", workers_json(statistics, evaluator)}});
+    detail = {{"generation", record.generation + 1},
+              {"generations", generations},
+              {"best_fitness", page_number(record.best.fitness)},
+              {"mean_fitness", page_number(record.mean_fitness)},
+              {"best_nodes", record.best_nodes()},
+              {"best_tree", to_text(record.best.tree, vocabulary)}};
+    statistics = so_far;
+    show();
   };
   const Result<EvolveReport> evolved = evolve_in_study(
-      *study, {.config = *config, .resumed = std::nullopt, .evaluator = evaluator}, progress.stop(), watch);
+      *study, {.config = *config, .resumed = std::nullopt, .evaluator = watched}, progress.stop(), watch);
   if (!evolved) {
     return tl::unexpected(evolved.error());
   }
@@ -116,7 +139,7 @@ Result<Json> breed(const std::string& path, const EvaluatorChoice& evaluator, co
                    {"best_fitness", page_number(evolved->evolved.best.fitness)},
                    {"best_nodes", evolved->pruned.size()},
                    {"best_tree", to_text(evolved->pruned, vocabulary)},
-                   {"workers", workers_json(evolved->dispatch, evaluator)}});
+                   {"workers", workers_json(evolved->dispatch, evaluator, {})}});
   progress.show(1.0, fmt::format("run {}", static_cast<std::int64_t>(evolved->run)));
   return Json{{"run", static_cast<std::int64_t>(evolved->run)}, {"tree", to_text(evolved->pruned, vocabulary)}};
 }

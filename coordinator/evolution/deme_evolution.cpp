@@ -117,6 +117,9 @@ class DemeEvolution {
       records.back().seconds = seconds;
       enter(records.back().best, hall_);
     }
+    if (hooks_.demes_done) {
+      hooks_.demes_done(row.records);
+    }
     demes_ = std::move(row.demes);
     done_ = demes_.front()->generations;
     return hooks_.epoch_done ? hooks_.epoch_done(records, checkpoint()) : Result<void>();

@@ -40,6 +40,8 @@ struct EvolveHooks {
   // Several demes: after each epoch that all of them have ended, with its generations in their order; the checkpoint is
   // of the last of them.
   std::function<Result<void>(std::span<const GenerationRecord>, const Checkpoint&)> epoch_done = {};
+  // Several demes: of the same epoch, and before that, each one's own records. [demes][generations] May be empty.
+  std::function<void(std::span<const std::vector<GenerationRecord>>)> demes_done = {};
   // One deme, too, as an epoch that lasts the whole run: wherever that runs, it is sent nothing on the way. For who has
   // many runs and needs no checkpoints.
   bool whole = false;

@@ -60,7 +60,9 @@ Fleet::Fleet(std::shared_ptr<const Chain> chain, FleetOptions options, const Sto
       dispatcher_(settings_of(options_, dds_.domain)),
       meanings_(*chain_),
       reference_(std::move(reference)),
-      home_choice_(std::max(1U, std::thread::hardware_concurrency())) {}
+      home_choice_(std::max(1U, std::thread::hardware_concurrency())) {
+  onlookers_.watch(options_.watch_workers);
+}
 
 Fleet::~Fleet() {
   local_.reset();  // while DDS still acknowledges what the workers say last

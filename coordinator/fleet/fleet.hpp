@@ -45,6 +45,7 @@ struct FleetOptions {
   bool may_stay_home = false;  // evaluations may be computed here where sending takes longer, see HomeChoice
   // Called on the dispatching thread after each batch went out, with the process that got it. May be empty.
   std::function<void(pid_t)> batch_sent;
+  WatchWorkers watch_workers;  // may be empty
 };
 
 class Fleet {

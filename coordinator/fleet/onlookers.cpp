@@ -48,17 +48,7 @@ void Onlookers::hear(const wire::Hello& hello, Time now) {
   }
 }
 
-void Onlookers::show(Endpoints& dds, const RunIdentity& run, const Dispatcher& dispatcher, Time now) {
-  if (now < next_show_) {
-    return;
-  }
-  next_show_ = now + kShowInterval;
-  std::erase_if(seen_, [&](const auto& entry) {
-    return now - entry.second.heard > kMemory && dispatcher.roster().find(entry.first) == nullptr;
-  });
-  if (!dds.fleet.matched()) {
-    return;
-  }
+std::vector<wire::WorkerStatus> Onlookers::workers(const Dispatcher& dispatcher, Time now) const {
   std::vector<wire::WorkerStatus> workers;
   workers.reserve(seen_.size());
   for (const auto& [id, seen] : seen_) {
@@ -78,6 +68,28 @@ void Onlookers::show(Endpoints& dds, const RunIdentity& run, const Dispatcher& d
         static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(now - seen.heard).count());
     workers.push_back(status);
   }
+  return workers;
+}
+
+void Onlookers::show(Endpoints& dds, const RunIdentity& run, const Dispatcher& dispatcher, Time now) {
+  if (now < next_show_) {
+    return;
+  }
+  next_show_ = now + kShowInterval;
+  std::erase_if(seen_, [&](const auto& entry) {
+    return now - entry.second.heard > kMemory && dispatcher.roster().find(entry.first) == nullptr;
+  });
+  if (watch_) {
+    std::vector<ListedWorker> shown;
+    for (const wire::WorkerStatus& status : workers(dispatcher, now)) {
+      shown.push_back(listed(status));
+    }
+    watch_(shown);
+  }
+  if (!dds.fleet.matched()) {
+    return;
+  }
+  std::vector<wire::WorkerStatus> workers = this->workers(dispatcher, now);
   wire::Fleet fleet{};
   fleet.protocol = wire::kProtocolVersion;
   fleet.run_id = run.run_id;

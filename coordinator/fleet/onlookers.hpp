@@ -6,11 +6,14 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <utility>
+#include <vector>
 
 #include "common/wire/topics.hpp"
 #include "coordinator/dispatch/dispatcher.hpp"
 #include "coordinator/fleet/endpoints.hpp"
 #include "coordinator/fleet/link.hpp"
+#include "coordinator/fleet/listed_worker.hpp"
 
 namespace coppice {
 
@@ -20,6 +23,8 @@ class Onlookers {
 
   // A Hello of that worker's own.
   void hear(const wire::Hello& hello, Time now);
+  // Besides those on other programs' side of the wire.
+  void watch(WatchWorkers watch) { watch_ = std::move(watch); }
   // Writes a Fleet, if it is time to, and somebody looks.
   void show(Endpoints& dds, const RunIdentity& run, const Dispatcher& dispatcher, Time now);
 
@@ -32,7 +37,10 @@ class Onlookers {
     std::uint64_t each_second = 0;
   };
 
+  std::vector<wire::WorkerStatus> workers(const Dispatcher& dispatcher, Time now) const;
+
   std::map<WorkerId, Seen> seen_;
+  WatchWorkers watch_;
   Time next_show_{};
 };
 

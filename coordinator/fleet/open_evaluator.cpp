@@ -30,6 +30,7 @@ Result<FleetOptions> remote_options(const EvaluatorChoice& choice) {
   options.domain = choice.domain;
   options.wait_limit = choice.wait_limit;
   options.cross_check = choice.cross_check;
+  options.watch_workers = choice.watch_workers;
   if (choice.kind == EvaluatorChoice::Kind::remote) {
     options.domain = choice.domain.value_or(kDefaultRemoteDomain);
     options.interface = choice.interface;

@@ -34,6 +34,7 @@ struct EvaluatorChoice {
   bool lossy = false;                    // remote: small packets, quick repair
   double cross_check = 0.0;              // share of all individuals that is evaluated here again
   std::chrono::seconds wait_limit{600};  // without any worker for this long, evaluation fails
+  WatchWorkers watch_workers = {};       // not serial: hears of the workers; may be empty
 };
 
 // "serial", "2 local workers", "remote workers": kept with a run.

@@ -20,37 +20,6 @@ constexpr std::chrono::milliseconds kLook{50};
 constexpr std::size_t kMostListedPerTake = 4096;
 constexpr std::size_t kMostListed = 65536;
 
-std::string doing_of(const wire::WorkerStatus& status) {
-  switch (status.doing) {
-    case coppice_wire_FETCHING:
-      return "fetching the chain";
-    case coppice_wire_READY:
-      return "ready";
-    case coppice_wire_EVALUATING:
-      return fmt::format("evaluating, {} batch{} in hand", status.batches, status.batches == 1 ? "" : "es");
-    case coppice_wire_REFUSED_VERSION:
-      return "refused: another protocol version";
-    case coppice_wire_QUARANTINED:
-      return "quarantined: answered wrongly";
-    case coppice_wire_REFUSED_BUILD:
-      return "refused: another build, which computes otherwise";
-  }
-  return "unknown";
-}
-
-ListedWorker listed(const wire::WorkerStatus& status, std::string doing) {
-  return {.host = wire::shown(status.host),
-          .pid = status.pid,
-          .cores = status.cores,
-          .threads = status.threads,
-          .protocol = status.protocol,
-          .version = wire::shown(status.version),
-          .doing = std::move(doing),
-          .evaluated = status.evaluated,
-          .each_second = status.each_second,
-          .seen = std::chrono::milliseconds(status.seen_ms)};
-}
-
 WorkerList sorted(WorkerList list) {
   std::sort(list.workers.begin(), list.workers.end(), [](const ListedWorker& a, const ListedWorker& b) {
     return std::tie(a.host, a.pid) < std::tie(b.host, b.pid);
@@ -146,7 +115,7 @@ Result<std::optional<WorkerList>> ask_coordinator(const std::string& host, const
                                               list.workers.clear();
                                               for (std::uint32_t i = 0; i < fleet.workers._length; ++i) {
                                                 const wire::WorkerStatus& status = fleet.workers._buffer[i];
-                                                list.workers.push_back(listed(status, doing_of(status)));
+                                                list.workers.push_back(listed(status));
                                               }
                                               return true;
                                             });

@@ -11,21 +11,9 @@
 
 #include "common/error.hpp"
 #include "common/stop.hpp"
+#include "coordinator/fleet/listed_worker.hpp"
 
 namespace coppice {
-
-struct ListedWorker {
-  std::string host;
-  std::uint32_t pid = 0;
-  std::uint32_t cores = 0;
-  std::uint32_t threads = 0;
-  std::uint32_t protocol = 0;
-  std::string version;
-  std::string doing;                  // in a few words
-  std::uint64_t evaluated = 0;        // individuals since its start
-  std::uint64_t each_second = 0;      // of them, lately
-  std::chrono::milliseconds seen{0};  // since its last sign of life
-};
 
 struct WorkerList {
   struct Coordinator {

@@ -95,6 +95,25 @@ Result<FeatureLegend> legend_of(const Json& json, const Feature& feature) {
   return legend;
 }
 
+Result<std::vector<std::string>> rules_of(const Json& json) {
+  std::vector<std::string> rules;
+  const auto found = json.find("rules");
+  if (found == json.end()) {
+    return rules;
+  }
+  const auto is_rule = [](const Json& rule) {
+    return rule.is_string() && rule.get_ref<const std::string&>().size() <= kMaxRule;
+  };
+  if (!found->is_array() || found->size() > kMaxRules || !std::all_of(found->begin(), found->end(), is_rule)) {
+    return bad_input(
+        fmt::format("problem.rules: expected a list of at most {} texts of {} characters", kMaxRules, kMaxRule));
+  }
+  for (const Json& rule : *found) {
+    rules.push_back(rule.get<std::string>());
+  }
+  return rules;
+}
+
 Result<void> read_features(const Json& features, const Vocabulary& vocabulary, Problem& problem) {
   for (const auto& [name, json] : features.items()) {
     const std::optional<std::size_t> index = vocabulary.find_feature(name);
@@ -148,6 +167,9 @@ std::string to_json(const Problem& problem, const Vocabulary& vocabulary) {
   if (problem.discount) {
     json["discount"] = *problem.discount;
   }
+  if (!problem.rules.empty()) {
+    json["rules"] = problem.rules;
+  }
   for (std::size_t f = 0; f < vocabulary.features.size(); ++f) {
     if (problem.features[f] != FeatureLegend{}) {
       json["features"][vocabulary.features[f].name] = json_of(problem.features[f], vocabulary.features[f]);
@@ -188,6 +210,11 @@ Result<Problem> problem_from_json(std::string_view text, const Vocabulary& vocab
     }
     problem.discount = value;
   }
+  auto rules = rules_of(json);
+  if (!rules) {
+    return tl::unexpected(rules.error());
+  }
+  problem.rules = std::move(*rules);
   const auto features = members.object("features");
   const auto actions = members.object("actions");
   if (!features || !actions) {

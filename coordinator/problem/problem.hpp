@@ -19,6 +19,8 @@ namespace coppice {
 
 inline constexpr std::size_t kMaxLabel = 256;              // characters of a label or unit
 inline constexpr std::size_t kMaxSimulatorCommand = 4096;  // characters
+inline constexpr std::size_t kMaxRules = 50;
+inline constexpr std::size_t kMaxRule = 1000;  // characters
 
 struct FeatureLegend {
   std::string label;                           // "ahead"; empty: none, as everywhere below
@@ -34,6 +36,8 @@ struct Problem {
   std::vector<std::string> action_labels;  // [actions of the vocabulary]
   std::optional<double> discount;          // that Q and policy were solved or learned with, in [0, 1]
   std::string simulator;                   // a shell command that speaks the simulator protocol
+  std::vector<std::string> rules =
+      {};  // that a tree is to keep to, as a person typed them (coordinator/trust/rule.hpp)
   bool operator==(const Problem&) const = default;
 };
 
@@ -44,7 +48,7 @@ Problem unlabelled(const Vocabulary& vocabulary);
 std::string to_json(const Problem& problem, const Vocabulary& vocabulary);
 // Unknown keys are passed over, so that an older program reads what a newer one wrote. Errors name the key, what was
 // found and what was expected: not an object, a label of a feature, value or action that does not exist, texts that are
-// too long, a discount outside [0, 1].
+// too long, a discount outside [0, 1], too many rules.
 Result<Problem> problem_from_json(std::string_view text, const Vocabulary& vocabulary);
 
 // What a condition or action says in words, from the labels: "ahead is wall", "pole angle <= 0.0419 rad", "turn left".

@@ -8,6 +8,7 @@
 #include "common/tree/simplify.hpp"
 #include "common/tree/state_columns.hpp"
 #include "coordinator/console/json_line.hpp"
+#include "coordinator/runs/deme_curves.hpp"
 #include "coordinator/runs/evolve_report.hpp"
 #include "coordinator/runs/evolve_with_rollback.hpp"
 
@@ -38,9 +39,16 @@ Result<StartedRun> start_run(Study& study, const EvolveTask& task) {
   return StartedRun{*id, task.config, std::nullopt};
 }
 
-// Records that the run failed, or was interrupted before its first generation.
-tl::unexpected<Error> record_failure(Study& study, RunId run, const Error& error) {
+// Records that the run failed, or was interrupted before its first generation; `best` is what it has come to so far.
+tl::unexpected<Error> record_failure(Study& study, RunId run, const Error& error, const EvolveReport* best = nullptr) {
   RunOutcome outcome;
+  if (best != nullptr) {
+    outcome.tree = best->tree();
+    outcome.pruned = best->pruned;
+    if (const Result<void> saved = study.save_front(run, best->evolved.front); !saved) {
+      return tl::unexpected(saved.error());
+    }
+  }
   outcome.status = error.kind == ErrorKind::interrupted ? RunStatus::interrupted : RunStatus::failed;
   outcome.json = json_line(Json{{"error", error.message}});
   const Result<void> finished = study.finish_run(run, outcome);
@@ -57,7 +65,7 @@ Result<void> prefer(const Study& study, const StopFlag& stop, EvolveReport& repo
   if (report.config.front.prefer == Prefer::pick || front.members.empty() || report.interrupted()) {
     return {};
   }
-  auto answer = choose_answer(study, front, report.config, {[&] { return !stop.raised(); }});
+  auto answer = choose_answer(study, front, report.config, {.go_on = [&] { return !stop.raised(); }, .stop = &stop});
   if (!answer) {
     return tl::unexpected(answer.error());
   }
@@ -108,6 +116,8 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
     }
     return {};
   };
+  DemeCurves curves;
+  hooks.demes_done = [&](std::span<const std::vector<GenerationRecord>> of_demes) { curves.add(of_demes); };
   hooks.epoch_done = [&](std::span<const GenerationRecord> records, const Checkpoint& checkpoint) -> Result<void> {
     if (const Result<void> saved = study.save_generations(run, records, checkpoint); !saved) {
       return saved;
@@ -128,17 +138,25 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
     return record_failure(study, run, evolved.error());
   }
   report.evolved = std::move(*evolved);
-  if (auto chosen = prefer(study, stop, report); !chosen) {
-    return record_failure(study, run, chosen.error());
-  }
   const Vocabulary& vocabulary = chain->vocabulary();
-  report.pruned = simplify(report.tree(), vocabulary, StateColumns(vocabulary, chain->parts().features)).tree;
+  const auto prune_best = [&] {
+    report.pruned = simplify(report.tree(), vocabulary, StateColumns(vocabulary, chain->parts().features)).tree;
+  };
+  if (auto chosen = prefer(study, stop, report); !chosen) {
+    prune_best();  // the simulator failed, not the evolution: what it chose itself stays
+    return record_failure(study, run, chosen.error(), &report);
+  }
+  prune_best();
   if (const Result<void> saved = study.save_front(run, report.evolved.front); !saved) {
     return tl::unexpected(saved.error());
   }
   const RunStatus status = report.interrupted() ? RunStatus::interrupted : RunStatus::finished;
+  Json outcome = outcome_json(report);
+  if (!curves.empty()) {
+    outcome["deme_curves"] = curves.json();
+  }
   const Result<void> finished = study.finish_run(
-      run, {.status = status, .tree = report.tree(), .pruned = report.pruned, .json = json_line(outcome_json(report))});
+      run, {.status = status, .tree = report.tree(), .pruned = report.pruned, .json = json_line(outcome)});
   if (!finished) {
     return tl::unexpected(finished.error());
   }

@@ -52,6 +52,27 @@ Json generations_json(const std::vector<GenerationRecord>& generations) {
   return columns;
 }
 
+// What the run kept of each of its demes, numbers as the page has them; null: it had one, or has not ended.
+Json demes_json(Json& result) {
+  if (!result.is_object() || !result.contains("deme_curves")) {
+    return nullptr;
+  }
+  Json curves = std::move(result["deme_curves"]);
+  result.erase("deme_curves");
+  if (!curves.is_object() || !curves.contains("generation") || !curves.contains("demes") ||
+      !curves["demes"].is_array()) {
+    return nullptr;
+  }
+  for (Json& deme : curves["demes"]) {
+    for (auto& [name, column] : deme.items()) {
+      for (Json& value : column) {
+        value = value.is_number() ? page_number(value.get<double>()) : Json(nullptr);
+      }
+    }
+  }
+  return curves;
+}
+
 Json front_json(const Front& front, const Vocabulary& vocabulary) {
   if (front.members.empty()) {
     return nullptr;
@@ -143,6 +164,8 @@ Result<Json> runs_json(const Study& study) {
     if (!front) {
       return tl::unexpected(front.error());
     }
+    Json result = parsed(run.json);
+    const Json demes = demes_json(result);
     list.push_back({{"run", static_cast<std::int64_t>(run.id)},
                     {"status", name_of(run.status)},
                     {"abandoned", run.abandoned},
@@ -151,7 +174,8 @@ Result<Json> runs_json(const Study& study) {
                     {"ended", run.ended},
                     {"seed", run.config.seed},
                     {"configuration", parsed(config_to_json(run.config))},
-                    {"result", parsed(run.json)},
+                    {"result", result},
+                    {"demes", demes},
                     {"tree", run.tree ? Json(to_text(*run.tree, vocabulary)) : Json(nullptr)},
                     {"pruned", run.pruned ? Json(to_text(*run.pruned, vocabulary)) : Json(nullptr)},
                     {"command", evolve_command(study, run)},

@@ -1,5 +1,6 @@
 #include "coordinator/studio/studio_session.hpp"
 
+#include <algorithm>
 #include <array>
 #include <fmt/format.h>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "coordinator/studio/page_trust.hpp"
 #include "coordinator/studio/page_world.hpp"
 #include "coordinator/studio/tree_export.hpp"
+#include "coordinator/trust/rule.hpp"
 
 namespace coppice {
 namespace {
@@ -49,8 +51,9 @@ StudioSession::StudioSession(Study study, PageRequest request, std::optional<Wor
     : study_(std::move(study)), request_(std::move(request)), world_(std::move(world)), breed_(std::move(breed)) {
   // The first page is computed while the browser comes up. It reads the study by a connection of its own, so that a
   // large chain keeps nobody waiting for the file.
-  const Result<std::int64_t> started =
-      jobs_.start("page", nullptr, [path = study_.path(), &request = request_](JobProgress& progress) -> Result<Json> {
+  const Result<std::int64_t> started = jobs_.start(
+      "page", nullptr, [path = study_.path(), request = request_](JobProgress& progress) mutable -> Result<Json> {
+        request.simulate.stop = &progress.stop();
         const Result<Study> read = Study::open(path, Study::Access::read);
         if (!read) {
           return tl::unexpected(read.error());
@@ -90,6 +93,7 @@ Result<Json> StudioSession::page() {
 
 Result<Json> StudioSession::status() {
   Json kept = Json::array();
+  Json rules = Json::array();
   std::int64_t changes = 0;
   {
     const std::lock_guard lock(study_mutex_);
@@ -98,6 +102,13 @@ Result<Json> StudioSession::status() {
       return tl::unexpected(others.error());
     }
     changes = *others;
+    if (changes != others_changes_) {  // the problem lies behind the chain in the file: it is not read for nothing
+      others_changes_ = changes;
+      if (const Result<void> read = study_.read_problem(); !read) {
+        return tl::unexpected(read.error());
+      }
+    }
+    rules = study_.problem().rules;
     const Result<std::vector<KeptTree>> trees = study_.kept_trees();
     if (!trees) {
       return tl::unexpected(trees.error());
@@ -110,7 +121,10 @@ Result<Json> StudioSession::status() {
                       {"kept", tree.kept}});
     }
   }
-  return Json{{"changes", fmt::format("{}.{}", changes, own_changes_.load())}, {"kept", kept}, {"jobs", jobs_.list()}};
+  return Json{{"changes", fmt::format("{}.{}", changes, own_changes_.load())},
+              {"kept", kept},
+              {"rules", rules},
+              {"jobs", jobs_.list()}};
 }
 
 Result<Json> StudioSession::score(const Json& asked) const {
@@ -224,6 +238,49 @@ Result<Json> StudioSession::forget(const Json& asked) {
   return study_.forget_tree(*id).map([] { return Json::object(); });
 }
 
+// The rule as it was typed: it has to be one of the vocabulary.
+Result<Json> StudioSession::keep_rule(const Json& asked) {
+  const Result<std::string> rule = text_in(asked, "rule");
+  if (!rule) {
+    return tl::unexpected(rule.error());
+  }
+  if (const Result<Rule> parsed = parse_rule(*rule, study_.chain().vocabulary()); !parsed) {
+    return tl::unexpected(parsed.error());
+  }
+  if (rule->size() > kMaxRule) {
+    return bad_input(fmt::format("the rule has {} characters: expected at most {}", rule->size(), kMaxRule));
+  }
+  const std::lock_guard lock(study_mutex_);
+  ++own_changes_;
+  return study_
+      .change_problem([&](Problem& problem) -> Result<void> {
+        if (std::find(problem.rules.begin(), problem.rules.end(), *rule) != problem.rules.end()) {
+          return {};
+        }
+        if (problem.rules.size() == kMaxRules) {
+          return bad_input(fmt::format("the study keeps {} rules: expected no more; forget one", kMaxRules));
+        }
+        problem.rules.push_back(*rule);
+        return {};
+      })
+      .map([] { return Json::object(); });
+}
+
+Result<Json> StudioSession::forget_rule(const Json& asked) {
+  const Result<std::string> rule = text_in(asked, "rule");
+  if (!rule) {
+    return tl::unexpected(rule.error());
+  }
+  const std::lock_guard lock(study_mutex_);
+  ++own_changes_;
+  return study_
+      .change_problem([&](Problem& problem) -> Result<void> {
+        std::erase(problem.rules, *rule);
+        return {};
+      })
+      .map([] { return Json::object(); });
+}
+
 // The simulator and the chain's intervals for a tree, as a job: {"promise", "shortfalls"}.
 Result<Json> StudioSession::simulate(const Json& asked) {
   const Result<Tree> tree = tree_in(asked);
@@ -233,7 +290,8 @@ Result<Json> StudioSession::simulate(const Json& asked) {
   const Chain& chain = study_.chain();
   const Json about = {{"tree", to_text(*tree, chain.vocabulary())}};
   const auto work = [this, &chain, tree = *tree](JobProgress& progress) -> Result<Json> {
-    const PromiseSettings settings{.simulate = request_.simulate, .resamples = request_.resamples};
+    PromiseSettings settings{.simulate = request_.simulate, .resamples = request_.resamples};
+    settings.simulate.stop = &progress.stop();
     const Result<Promise> promise =
         promise_of(world_ ? &*world_ : nullptr, study_.world().kind, chain, tree, settings, [&](double share) {
           progress.show(share, "");
@@ -294,6 +352,7 @@ Result<Json> StudioSession::write(const Json& asked) const {
   if (!format) {
     return tl::unexpected(format.error());
   }
+  const std::lock_guard lock(study_mutex_);
   return export_tree(*tree, study_, *format);
 }
 
@@ -309,7 +368,7 @@ std::optional<Result<Json>> StudioSession::answer(const std::string& name, const
     return runs_json(study_);
   }
   using Call = std::function<Result<Json>(const Json&)>;
-  const std::array<std::pair<const char*, Call>, 13> calls{{
+  const std::array<std::pair<const char*, Call>, 15> calls{{
       {"score", [this](const Json& a) { return score(a); }},
       {"rules", [this](const Json& a) { return rules(a); }},
       {"explain", [this](const Json& a) { return explain(a); }},
@@ -318,6 +377,8 @@ std::optional<Result<Json>> StudioSession::answer(const std::string& name, const
       {"walk", [this](const Json& a) { return walk(a); }},
       {"keep", [this](const Json& a) { return keep(a); }},
       {"forget", [this](const Json& a) { return forget(a); }},
+      {"keep_rule", [this](const Json& a) { return keep_rule(a); }},
+      {"forget_rule", [this](const Json& a) { return forget_rule(a); }},
       {"simulate", [this](const Json& a) { return simulate(a); }},
       {"breed", [this](const Json& a) { return breed(a); }},
       {"job", [this](const Json& a) { return job(a); }},

@@ -52,6 +52,8 @@ class StudioSession {
   Result<Json> walk(const Json& asked) const;
   Result<Json> keep(const Json& asked);
   Result<Json> forget(const Json& asked);
+  Result<Json> keep_rule(const Json& asked);
+  Result<Json> forget_rule(const Json& asked);
   Result<Json> simulate(const Json& asked);
   Result<Json> breed(const Json& asked);
   Result<Json> job(const Json& asked) const;
@@ -64,6 +66,7 @@ class StudioSession {
   const std::optional<World> world_;
   const Breed breed_;
   std::atomic<std::uint64_t> own_changes_{0};
+  std::int64_t others_changes_ = 0;  // when the problem was read last
   std::int64_t page_job_ = 0;
   Jobs jobs_;  // the last: its threads use the others
 };

@@ -262,4 +262,41 @@ Result<void> Study::save_problem(const Problem& problem) {
   });
 }
 
+Result<void> Study::read_problem() {
+  return guarded(state_->path, [&]() -> Result<void> {
+    if (!has_problem(state_->database)) {
+      return {};
+    }
+    SQLite::Statement select(state_->database, "SELECT problem FROM study");
+    const std::string text = select.executeStep() ? select.getColumn(0).getString() : "";
+    if (text.empty()) {
+      return {};
+    }
+    auto problem = problem_from_json(text, state_->chain.vocabulary());
+    if (!problem) {
+      return tl::unexpected(damaged(state_->path, problem.error().message));
+    }
+    state_->problem = std::move(*problem);
+    return {};
+  });
+}
+
+Result<void> Study::change_problem(const std::function<Result<void>(Problem&)>& change) {
+  return guarded(state_->path, [&]() -> Result<void> {
+    SQLite::Transaction transaction(state_->database, SQLite::TransactionBehavior::IMMEDIATE);
+    if (auto ok = read_problem(); !ok) {
+      return ok;
+    }
+    Problem changed = state_->problem;
+    if (auto ok = change(changed); !ok) {
+      return ok;
+    }
+    if (auto ok = save_problem(changed); !ok) {
+      return ok;
+    }
+    transaction.commit();
+    return {};
+  });
+}
+
 }  // namespace coppice

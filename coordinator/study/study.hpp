@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -123,6 +124,11 @@ class Study {
 
   // Replaces the problem: labels, units or the simulator changed. REQUIRES: made for the chain's vocabulary.
   Result<void> save_problem(const Problem& problem);
+  // Changes the problem as the file has it now, which another process may have changed meanwhile, in one transaction.
+  // What `change` says is returned as it is, and then nothing is saved.
+  Result<void> change_problem(const std::function<Result<void>(Problem&)>& change);
+  // Takes up what other processes made of it: problem() is that of the file now.
+  Result<void> read_problem();
 
   // A new run, status running, owned by this process. Error (bad_input): another process that is alive runs one.
   Result<RunId> begin_run(const NewRun& run);

@@ -60,6 +60,23 @@ TEST_F(StudioSessions, KeepTreesInTheStudyWhereTheNextOneFindsThem) {
   EXPECT_EQ(kept[0]["tree"], kSessionTree);
 }
 
+TEST_F(StudioSessions, KeepRulesInTheStudyAndLoseNoneOfAnotherSession) {
+  {
+    const auto one = open();
+    const auto other = open();
+    EXPECT_EQ(ask(*one, "keep_rule", {{"rule", "never left"}}), Json::object());
+    EXPECT_EQ(ask(*other, "keep_rule", {{"rule", "never move when a=0"}}), Json::object());
+    EXPECT_EQ(ask(*one, "keep_rule", {{"rule", "never left"}}), Json::object()) << "again: once is enough";
+    const Json both = {"never left", "never move when a=0"};
+    EXPECT_EQ(ask(*one, "status")["rules"], both);
+    EXPECT_EQ(ask(*other, "status")["rules"], both);
+    EXPECT_TRUE(ask(*one, "keep_rule", {{"rule", "never fly"}}).contains("error"));
+    EXPECT_EQ(ask(*one, "forget_rule", {{"rule", "never left"}}), Json::object());
+  }
+  const auto again = Study::open(files_.path, Study::Access::read);
+  EXPECT_EQ(again->problem().rules, std::vector<std::string>{"never move when a=0"});
+}
+
 TEST_F(StudioSessions, NoticeWhatOthersWrite) {
   const auto session = open();
   const Json before = ask(*session, "status")["changes"];

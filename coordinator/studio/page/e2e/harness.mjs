@@ -27,6 +27,13 @@ export async function coppice(...words) {
   return stdout;
 }
 
+// A command line as the page prints it, `coppice ...`, by a shell, with more words behind it.
+export async function commandLine(line, ...more) {
+  assert.match(line, /^coppice /);
+  const { stdout } = await run("sh", ["-c", `"$0" ${line.slice("coppice ".length)} "$@"`, program, ...more], { cwd: folder });
+  return stdout;
+}
+
 // How a command that must fail ends: {code, stderr}.
 export async function failing(...words) {
   try {

@@ -1,6 +1,6 @@
 // A report, opened from the disk with the network off.
 import assert from "node:assert/strict";
-import { existsSync, readFileSync, statSync } from "node:fs";
+import { copyFileSync, existsSync, readFileSync, statSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
@@ -84,6 +84,28 @@ test("every point of the front is a tree that opens and stands beside the answer
   assert.equal(await page.locator("#tree").getByRole("tree").count(), 2);
   await page.locator("#front").getByLabel("upwards").selectOption("coverage");
   await page.getByRole("button", { name: "Back to the answer" }).click();
+  page.check();
+  await page.context().close();
+});
+
+test("a run with demes shows the curves of each", async () => {
+  const study = join(folder, "demes.coppice");
+  copyFileSync(await thesisStudy(), study);
+  await coppice("evolve", study, "--serial", "--seed", "3", "--set", "ga.search=scalar", "--set", "ga.demes=4", "--set", "ga.generations=30", "--set", "ga.population=80");
+  const html = join(folder, "demes.html");
+  await coppice("report", study, "--tree", "move", "-o", html);
+  const page = await openPage(browser, { allowed: own, offline: true });
+  await page.goto(pathToFileURL(html).href);
+  await ready(page);
+  const curves = page.locator("#curves");
+  await curves.getByRole("heading", { name: "Each deme" }).waitFor();
+  assert.equal(await curves.getByLabel("deme", { exact: true }).locator("option").count(), 4);
+  await curves.getByLabel("deme", { exact: true }).selectOption("2");
+  await curves.getByText("Deme 3: fitness").first().waitFor();
+  assert.equal(await curves.locator("figure").filter({ hasText: "Deme 3: size" }).locator("path.line").count(), 5);
+  await curves.getByRole("heading", { name: "Each deme" }).scrollIntoViewIfNeeded();
+  await shot(page, "report-demes");
+  await accessible(page);
   page.check();
   await page.context().close();
 });

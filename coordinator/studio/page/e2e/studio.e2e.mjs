@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { copyFileSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { accessible, api, coppice, folder, kThesisTree, openBrowser, openPage, ready, removeFolder, shot, startStudio, thesisStudy } from "./harness.mjs";
+import { accessible, api, commandLine, coppice, folder, kThesisTree, openBrowser, openPage, ready, removeFolder, shot, startStudio, thesisStudy } from "./harness.mjs";
 
 let browser;
 let studyPath;
@@ -201,8 +201,8 @@ test("scores come with every edit, with the states that it mended and spoilt and
   });
 });
 
-test("a rule is proved while it is typed; what breaks it is shown in the room", async () => {
-  await inStudio(["--tree", "(selector (sequence s5=3 turn_right) move)"], async (page) => {
+test("a rule is proved while it is typed; what breaks it is shown in the room; one that is kept is in the study", async () => {
+  await inStudio(["--tree", "(selector (sequence s5=3 turn_right) move)"], async (page, studio, path) => {
     const box = page.getByRole("textbox", { name: "A rule" });
     const preview = page.locator(".preview");
     await box.pressSequentially("never move when s3=");
@@ -215,6 +215,19 @@ test("a rule is proved while it is typed; what breaks it is shown in the room", 
     await preview.getByText("✓ proved").waitFor();
     await page.getByRole("button", { name: "Keep the rule" }).click();
     await page.locator(".rules").getByText("never turn_left").waitFor();
+    // Another browser has it, too, and so has whatever opens the study later; what is no rule is not kept.
+    const second = await openPage(browser, { allowed: studio.allowed });
+    await second.goto(studio.address);
+    await ready(second);
+    await second.locator(".rules").getByText("never turn_left").waitFor();
+    assert.equal((await api(studio, "keep_rule", { rule: "never fly" })).status, 400);
+    const kept = JSON.parse(await coppice("report", path, "--json", "--tree", "move", "--episodes", "2"));
+    assert.equal(kept.answer.rules.find((rule) => rule.rule === "never turn_left").holds, true);
+    await second.getByRole("button", { name: "Forget the rule never turn_left" }).click();
+    await page.locator(".rules").getByText("never turn_left").waitFor({ state: "detached" });
+    second.check();
+    await second.context().close();
+    assert.deepEqual((await (await api(studio, "status")).json()).rules, []);
   });
 });
 
@@ -291,6 +304,30 @@ test("an evolution that begins with the tree shows how it goes, opens its best, 
     await whole.getByLabel("with").fill("ga.no_such=1");
     await whole.getByRole("button", { name: "Breed from here" }).click();
     await page.getByText(/breed: .*ga.no_such/).first().waitFor();
+  });
+});
+
+test("workers are listed one by one while the studio breeds; one that dies is counted, and changes nothing in the tree", async () => {
+  await inStudio([...thesis, "--workers", "2"], async (page, studio, path) => {
+    const whole = page.getByRole("toolbar", { name: "The whole tree" });
+    const jobs = page.getByRole("group", { name: "Computations" });
+    await whole.getByLabel("with").fill("ga.generations=60 ga.search=scalar ga.population=200 ga.demes=4 rollout.rollouts=100 seed=5");
+    await whole.getByRole("button", { name: "Breed from here" }).click();
+    const worker = jobs.getByText(/pid \d+: evaluating, \d+ batch/);
+    await worker.first().waitFor({ timeout: 60_000 });
+    await jobs.scrollIntoViewIfNeeded();
+    await shot(page, "studio-workers");
+    const pid = Number(/pid (\d+)/.exec((await worker.first().textContent()) ?? "")?.[1]);
+    process.kill(pid, "SIGKILL");
+    await jobs.getByText(/individuals evaluated, [1-9]\d* workers? lost/).waitFor({ timeout: 60_000 });
+    await jobs.getByText("done").waitFor({ timeout: 120_000 });
+    const runs = await (await api(studio, "runs")).json();
+    const bred = runs[runs.length - 1];
+    const again = join(folder, "again.coppice");
+    copyFileSync(studyPath, again);
+    await commandLine(bred.command.replace(path, again), "--serial");
+    const alone = JSON.parse(await coppice("info", again, "--json")).runs;
+    assert.equal(bred.pruned, alone[alone.length - 1].pruned);
   });
 });
 

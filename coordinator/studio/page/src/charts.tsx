@@ -16,7 +16,8 @@ export interface Series {
   name: string;
   x: number[];
   y: number[];
-  style: "a" | "b" | "c" | "d"; // colour and dash, style.css
+  style: "a" | "b" | "c" | "d" | "faint"; // colour and dash, style.css
+  inLegend?: boolean; // default: yes
 }
 
 export interface Band {
@@ -129,6 +130,7 @@ export function Lines(props: { title: string; xName: string; yName: string; seri
   const bands = props.bands ?? [];
   const x = extent(series.flatMap((s) => s.x));
   const y = extent([...series.flatMap((s) => s.y), ...bands.flatMap((b) => [...b.low, ...b.high]), ...(props.zero ? [0] : [])]);
+  const named = series.filter((s) => s.inLegend !== false);
   const first = series[0];
   const every = Math.ceil((first?.x.length ?? 0) / kMostRows);
   const rows = (first?.x ?? [])
@@ -137,14 +139,14 @@ export function Lines(props: { title: string; xName: string; yName: string; seri
   return (
     <Frame
       title={props.title}
-      description={`${props.yName} over ${props.xName}: ${series.map((s) => `${s.name} ends at ${number(s.y[s.y.length - 1] ?? NaN)}`).join(", ")}`}
+      description={`${props.yName} over ${props.xName}: ${named.map((s) => `${s.name} ends at ${number(s.y[s.y.length - 1] ?? NaN)}`).join(", ")}`}
       xName={props.xName}
       yName={props.yName}
       x={x}
       y={y}
       legend={
         <span class="legend">
-          {series.map((s) => (
+          {named.map((s) => (
             <span key={s.name}>
               <svg width="26" height="10" aria-hidden="true">
                 <line class={`line ${s.style}`} x1="1" x2="25" y1="5" y2="5" />

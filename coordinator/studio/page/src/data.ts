@@ -198,8 +198,14 @@ export interface Run {
   tree: string | null;
   pruned: string | null;
   command: string;
+  demes: DemeCurves | null; // several demes, of a run that has ended
   generations: Generations;
   front: Front | null;
+}
+
+export interface DemeCurves {
+  generation: number[];
+  demes: { best_fitness: number[]; mean_fitness: number[]; best_nodes: number[]; mean_nodes: number[] }[];
 }
 
 export interface LearningCurve {

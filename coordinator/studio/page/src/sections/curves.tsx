@@ -1,7 +1,7 @@
 // Section 4: how the policy was learned, how trees got better over the generations, and where tree and policy go.
 import { useSignal } from "@preact/signals";
-import { Lines, Numbers } from "../charts";
-import type { Generations, World } from "../data";
+import { Lines, Numbers, type Series } from "../charts";
+import type { DemeCurves, Generations, World } from "../data";
 import { counted, number } from "../format";
 import { need } from "../state";
 
@@ -101,12 +101,68 @@ export function Curves() {
               series={[{ name: "different trees", x, y: run.generations.distinct_trees, style: "c" }]}
             />
           </div>
+          {run.demes && <Demes key={run.run} curves={run.demes} />}
         </>
       ) : (
         <p class="quiet">No run of evolution kept a generation.</p>
       )}
       {data.world && <Maps world={data.world} />}
     </section>
+  );
+}
+
+// One deme's curves before those of all the others.
+function Demes(props: { curves: DemeCurves }) {
+  const { generation, demes } = props.curves;
+  const leading = demes.reduce((best, deme, i) => ((deme.best_fitness.at(-1) ?? -Infinity) > (demes[best]?.best_fitness.at(-1) ?? -Infinity) ? i : best), 0);
+  const chosen = useSignal(leading);
+  const shown = demes[chosen.value];
+  if (!shown) {
+    return null;
+  }
+  const others = (of: "best_fitness" | "best_nodes"): Series[] =>
+    demes.flatMap((deme, i) => (i === chosen.value ? [] : [{ name: `deme ${i + 1}, best`, x: generation, y: deme[of], style: "faint" as const, inLegend: false }]));
+  return (
+    <>
+      <h3>Each deme</h3>
+      <div class="toolbar">
+        <label>
+          deme{" "}
+          <select value={chosen.value} onChange={(e) => (chosen.value = Number(e.currentTarget.value))}>
+            {demes.map((_, i) => (
+              <option key={i} value={i}>
+                {i + 1} of {demes.length}
+                {i === leading ? ", which leads in the end" : ""}
+              </option>
+            ))}
+          </select>
+        </label>{" "}
+        <span class="quiet">Thin lines are the best of the other demes.</span>
+      </div>
+      <div class="charts">
+        <Lines
+          title={`Deme ${chosen.value + 1}: fitness`}
+          xName="generation"
+          yName="fitness"
+          series={[
+            ...others("best_fitness"),
+            { name: "best", x: generation, y: shown.best_fitness, style: "a" },
+            { name: "mean", x: generation, y: shown.mean_fitness, style: "b" },
+          ]}
+        />
+        <Lines
+          title={`Deme ${chosen.value + 1}: size`}
+          xName="generation"
+          yName="nodes"
+          zero
+          series={[
+            ...others("best_nodes"),
+            { name: "of the best", x: generation, y: shown.best_nodes, style: "a" },
+            { name: "mean", x: generation, y: shown.mean_nodes, style: "b" },
+          ]}
+        />
+      </div>
+    </>
   );
 }
 

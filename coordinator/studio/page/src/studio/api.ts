@@ -24,6 +24,7 @@ export interface Kept {
 export interface Status {
   changes: string;
   kept: Kept[];
+  rules: string[];
   jobs: Job[];
 }
 
@@ -49,6 +50,8 @@ export interface Answers {
   walk: (Replay & { at: number }) | null;
   keep: { id: number };
   forget: Record<string, never>;
+  keep_rule: Record<string, never>;
+  forget_rule: Record<string, never>;
   simulate: { job: number };
   breed: { job: number };
   job: Job;

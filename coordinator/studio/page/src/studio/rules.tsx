@@ -1,9 +1,9 @@
-// Rules in the studio: typed in, proved while typing, kept for this session; a counterexample is shown in the room.
+// Rules in the studio: typed in, proved while typing, kept in the study; a counterexample is shown in the room.
 import type { RuleAnswer } from "../data";
 import { need, shownText } from "../state";
 import { RuleText } from "../sections/rule_text";
 import { ask } from "./api";
-import { offer, ruleAnswers, rules, sayError, typedRule } from "./session";
+import { forgetRule, keepRule, offer, ruleAnswers, rules, sayError, typedRule } from "./session";
 import { shownWalk } from "./walk";
 
 function showBroken(answer: RuleAnswer): void {
@@ -23,10 +23,14 @@ export function StudioRules() {
   const preview = ruleAnswers.value.get(typed);
   const example = `never ${vocabulary.actions[0]?.name ?? "none"} when ${vocabulary.features[0]?.name ?? "s0"}=${vocabulary.features[0]?.values[0] ?? 0}`;
   const add = (): void => {
-    if (typed !== "" && !rules.value.includes(typed)) {
-      rules.value = [...rules.value, typed];
+    if (typed === "") {
+      return;
     }
-    typedRule.value = "";
+    keepRule(typed)
+      .then(() => {
+        typedRule.value = "";
+      })
+      .catch(sayError);
   };
   return (
     <>
@@ -41,7 +45,7 @@ export function StudioRules() {
                   Show it in the room
                 </button>
               )}{" "}
-              <button type="button" onClick={() => { rules.value = rules.value.filter((r) => r !== rule); }} aria-label={`Forget the rule ${rule}`}>
+              <button type="button" onClick={() => { forgetRule(rule).catch(sayError); }} aria-label={`Forget the rule ${rule}`}>
                 Forget
               </button>
             </li>

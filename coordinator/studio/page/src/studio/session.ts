@@ -18,7 +18,9 @@ export const jobs = signal<readonly Job[]>([]);
 export const kept = signal<readonly Kept[]>([]);
 export const message = signal<{ text: string; bad: boolean } | null>(null);
 export const connected = signal(true);
-export const rules = signal<readonly string[]>([]);
+export const keptRules = signal<readonly string[]>([]); // in the study
+const usualRules = signal<readonly string[]>([]); // of the world, and of the command line; gone with the page
+export const rules = computed<readonly string[]>(() => [...new Set([...usualRules.value, ...keptRules.value])]);
 export const typedRule = signal("");
 export const ruleAnswers = signal<ReadonlyMap<string, RuleAnswer>>(new Map()); // of the shown tree, by the rule's text
 export const suggestions = signal<{ tree: string; found: Disagreements } | null>(null);
@@ -92,6 +94,19 @@ export function addBranch(text: string): void {
     isComposite(tree) && tree.kind === "selector" ? insertChild(tree, 0, 0, branch) : { tree: composite("selector", [branch, tree]), selected: 1 },
     "add a branch",
   );
+}
+
+export async function keepRule(rule: string): Promise<void> {
+  await ask("keep_rule", { rule });
+  await poll();
+}
+
+export async function forgetRule(rule: string): Promise<void> {
+  usualRules.value = usualRules.value.filter((each) => each !== rule);
+  if (keptRules.value.includes(rule)) {
+    await ask("forget_rule", { rule });
+    await poll();
+  }
 }
 
 // --- what follows from an edit --------------------------------------------------------------------------------------
@@ -175,6 +190,11 @@ function take(status: Status): void {
   if (JSON.stringify(status.kept) !== JSON.stringify(kept.value)) {
     kept.value = status.kept;
   }
+  if (JSON.stringify(status.rules) !== JSON.stringify(keptRules.value)) {
+    // One that was kept when the page was computed is the study's to keep or forget.
+    usualRules.value = usualRules.value.filter((rule) => !keptRules.value.includes(rule) && !status.rules.includes(rule));
+    keptRules.value = status.rules;
+  }
   for (const job of status.jobs) {
     collect(job).catch(sayError);
   }
@@ -210,7 +230,7 @@ export async function start(progress: (share: number) => void): Promise<PageData
       const tree = parseTree(data.answer.tree.text, data.vocabulary);
       baseline.value = data.answer.tree.text;
       baselineName.value = "the answer";
-      rules.value = data.answer.rules.map((rule) => rule.rule);
+      usualRules.value = data.answer.rules.map((rule) => rule.rule);
       ruleAnswers.value = new Map(data.answer.rules.map((rule) => [rule.rule, rule]));
       simulations.value = new Map([[data.answer.tree.text, { promise: data.answer.promise, shortfalls: data.answer.shortfalls }]]);
       suggestions.value = { tree: data.answer.tree.text, found: data.disagreements };
