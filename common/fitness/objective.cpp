@@ -38,13 +38,12 @@ Result<void> check_rules(const Chain& chain, const std::vector<ShapedRule>& rule
   return {};
 }
 
-// Rounded to the nearest, ties away from zero: the same on every machine.
-Result<std::int64_t> fixed_point(double value, std::string_view objective, std::size_t row) {
-  if (!(std::abs(value) <= kMaxScoredValue)) {
-    return bad_input(fmt::format("objective '{}': row {} has value {}: expected within +-{}", objective, row, value,
-                                 kMaxScoredValue));
+// `one` where the values are no larger than `fine`; else less, by a power of two, as many times as they are larger.
+double unit_for(double largest, double fine, double one) {
+  for (; largest > fine; largest /= 2.0) {  // ends: largest is finite
+    one /= 2.0;
   }
-  return std::llround(value * kScoreOne);
+  return one;
 }
 
 class TableMaker {
@@ -130,17 +129,25 @@ class TableMaker {
   }
 
   Result<void> fill_values() {
-    table_.unit = kScoreOne;
+    const auto value_of = [this](std::size_t row) {
+      return objective_.kind == ObjectiveKind::q_value ? chain_.parts().q[row] : chain_.mean_reward(row);
+    };
+    double largest = 0.0;
+    for (std::size_t row = 0; row < chain_.states() * chain_.actions(); ++row) {
+      const double value = value_of(row);
+      if (!(std::abs(value) <= kMaxScoredValue)) {
+        return bad_input(
+            fmt::format("objective '{}': row {} has value {}: expected within +-{}: divide the rewards of the "
+                        "source, and import it again",
+                        name_of(objective_.kind), row, value, kMaxScoredValue));
+      }
+      largest = std::max(largest, std::abs(value));
+    }
+    table_.unit = unit_for(largest, kFineScoredValue, kScoreOne);
     for (std::size_t s = 0; s < chain_.states(); ++s) {
       for (std::size_t a = 0; a < chain_.actions(); ++a) {
-        const std::size_t row = s * chain_.actions() + a;
-        const double value =
-            objective_.kind == ObjectiveKind::q_value ? chain_.parts().q[row] : chain_.mean_reward(row);
-        const auto score = fixed_point(value, name_of(objective_.kind), row);
-        if (!score) {
-          return tl::unexpected(score.error());
-        }
-        at(s, a) = *score;
+        // Rounded to the nearest, ties away from zero: the same on every machine.
+        at(s, a) = std::llround(value_of(s * chain_.actions() + a) * table_.unit);
       }
       give_what_is_taken(s);
     }
@@ -148,33 +155,54 @@ class TableMaker {
   }
 
   Result<void> fill_regret() {
-    table_.unit = kRegretOne;
     double visits = 0.0;
     for (const std::uint64_t count : chain_.parts().visits) {
       visits += static_cast<double>(count);
     }
     const std::size_t actions = chain_.actions();
+    const auto widest = widest_gap();
+    if (!widest) {
+      return tl::unexpected(widest.error());
+    }
+    table_.unit = unit_for(*widest, 2.0 * kFineScoredValue, kRegretOne);
     for (std::size_t s = 0; s < chain_.states(); ++s) {
       const double* q = chain_.parts().q.data() + s * actions;
-      const double best =
-          q[index_of(chain_.policy(s))] > highest_allowed(s) ? q[index_of(chain_.policy(s))] : highest_allowed(s);
+      const double best = best_q(s);
       const double share = visits > 0.0 ? static_cast<double>(chain_.parts().visits[s]) / visits : 0.0;
       std::int64_t worst = 0;
       for (std::size_t a = 0; a < actions; ++a) {
         if (chain_.is_forbidden(s, a)) {
           continue;
         }
-        if (!(best - q[a] <= 2.0 * kMaxScoredValue)) {
-          return bad_input(fmt::format("objective 'regret': state {} has Q-values {} apart: expected at most {}", s,
-                                       best - q[a], 2.0 * kMaxScoredValue));
-        }
-        at(s, a) = std::llround((best - q[a]) * share * kRegretOne);
+        at(s, a) = std::llround((best - q[a]) * share * table_.unit);
         worst = std::max(worst, at(s, a));
       }
       at(s, actions) = worst;
       give_what_is_taken(s, worst);
     }
     return {};
+  }
+
+  // What the policy expects, or what could be had.
+  double best_q(std::size_t state) const {
+    return std::max(chain_.parts().q[chain_.row(state, chain_.policy(state))], highest_allowed(state));
+  }
+
+  // The most that an action can be worse than the best of its state.
+  Result<double> widest_gap() const {
+    double widest = 0.0;
+    for (std::size_t s = 0; s < chain_.states(); ++s) {
+      const double best = best_q(s);
+      for (std::size_t a = 0; a < chain_.actions(); ++a) {
+        const double gap = chain_.is_forbidden(s, a) ? 0.0 : best - chain_.parts().q[s * chain_.actions() + a];
+        if (!(gap <= 2.0 * kMaxScoredValue)) {
+          return bad_input(fmt::format("objective 'regret': state {} has Q-values {} apart: expected at most {}", s,
+                                       gap, 2.0 * kMaxScoredValue));
+        }
+        widest = std::max(widest, gap);
+      }
+    }
+    return widest;
   }
 
   // Of the state's actions that are not forbidden.

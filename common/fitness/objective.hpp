@@ -31,11 +31,14 @@ enum class ObjectiveKind : std::uint8_t {
 };
 inline constexpr std::uint8_t kObjectiveKinds = 10;
 
-// Fixed point of q_value and expected_return: value = score / kScoreOne. Values beyond +-kMaxScoredValue are
-// refused, so that a sum over kMaxWalkedSteps steps stays far below 2^63.
+// Fixed point of q_value and expected_return: value = score / kScoreOne where all of a chain's values lie within
+// +-kFineScoredValue; where they do not, the unit is the largest power of two with which none of its scores passes
+// 2^31, so that a sum over kMaxWalkedSteps steps stays far below 2^63. Values beyond +-kMaxScoredValue are refused.
 inline constexpr double kScoreOne = 1048576.0;  // 2^20
-inline constexpr double kMaxScoredValue = 2048.0;
-// Fixed point of regret, which is a mean: value = score / kRegretOne, the mean over all visits of
+inline constexpr double kFineScoredValue = 2048.0;
+inline constexpr double kMaxScoredValue = 1099511627776.0;  // 2^40
+// Fixed point of regret, which is a mean: value = score / kRegretOne (less where Q-values are further apart than
+// 2 x kFineScoredValue, as above), the mean over all visits of
 //   regret(s, a) = max over b of Q(s, b) - Q(s, a)                    [states x actions], unit of a Q-value
 // (the loss that Ross and Bagnell 2014, "Reinforcement and imitation learning via interactive no-regret learning",
 // imitate by: a wrong action that costs nothing is no error). No action counts as the worst one.

@@ -6,11 +6,14 @@
 #include "common/tree/text.hpp"
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/output_option.hpp"
+#include "coordinator/commands/simulate_option.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/console/counted.hpp"
+#include "coordinator/console/progress.hpp"
 #include "coordinator/console/whole_file.hpp"
 #include "coordinator/report/front_plot.hpp"
 #include "coordinator/report/front_report.hpp"
+#include "coordinator/runs/simulate_study.hpp"
 #include "coordinator/study/study.hpp"
 
 namespace coppice {
@@ -21,6 +24,7 @@ struct Options {
   std::optional<std::int64_t> run;
   std::string rule;
   OutputOption output;  // --force is for the plot too
+  SimulateOption simulate{.episodes = 0};
   std::string plot;
   std::string axes;
   bool json = false;
@@ -65,7 +69,32 @@ Result<FoundFront> front_of(const Study& study, std::optional<std::int64_t> want
       fmt::format("{}: no run has a front: expected one of 'coppice evolve --set ga.search=front'", study.path()));
 }
 
-Result<void> front_command(const Options& options) {
+// Every tree of the front in the simulator, all on the same episodes. [members]
+Result<std::vector<ControllerScore>> simulate_front(const Study& study, const Front& front,
+                                                    const SimulateOption& option, const StopFlag& stop) {
+  const SimulateSettings settings = settings_of(option, study);
+  std::vector<ControllerScore> scores;
+  Progress progress(stderr, progress_settings_for(stderr), "front", "trees", front.members.size());
+  for (const FrontMember& member : front.members) {
+    const auto episodes = simulated(study, member.tree, settings, option.simulator, stop);
+    if (!episodes) {
+      return tl::unexpected(episodes.error());
+    }
+    if (!*episodes) {
+      return bad_input(fmt::format(
+          "{}: has no simulator: expected --simulator COMMAND with --episodes, or a study of one of our worlds",
+          study.path()));
+    }
+    scores.push_back(controller_score(**episodes));
+    progress.update(scores.size());
+  }
+  return scores;
+}
+
+Result<void> front_command(const Options& options, const StopFlag& stop) {
+  if (options.simulate.episodes == 0 && !options.simulate.simulator.empty()) {
+    return bad_input("--simulator without --episodes: expected how many episodes each tree is to walk");
+  }
   std::optional<PickRule> rule;
   if (!options.rule.empty()) {
     auto parsed = parse_pick(options.rule);
@@ -119,6 +148,17 @@ Result<void> front_command(const Options& options) {
       return written;
     }
   }
+  std::vector<ControllerScore> scores;
+  if (options.simulate.episodes > 0) {
+    auto simulated = simulate_front(*study, front, options.simulate, stop);
+    if (!simulated) {
+      return tl::unexpected(simulated.error());
+    }
+    scores = std::move(*simulated);
+    if (const Result<void> kept = keep_simulator(options.study, options.simulate.simulator); !kept) {
+      return kept;
+    }
+  }
   if (!options.output.path.empty() && picked) {
     const std::string text = to_text(front.members[*picked].tree, vocabulary) + "\n";
     if (const auto written = write_whole_file(options.output.path, text); !written) {
@@ -126,13 +166,13 @@ Result<void> front_command(const Options& options) {
     }
   }
   if (options.json) {
-    fmt::print("{}\n", to_json(front, vocabulary, picked));
+    fmt::print("{}\n", to_json(front, vocabulary, picked, scores));
   } else if (rule) {
     fmt::print("{}\n", to_text(front.members[*picked].tree, vocabulary));
   } else {
     fmt::print("run {}: {}; < is the answer; return, collisions and unknown a walk of {}\n{}",
                static_cast<std::int64_t>(found->run.id), counted(front.members.size(), "tree"),
-               counted(found->run.config.rollout.steps, "step"), to_text(front, picked));
+               counted(found->run.config.rollout.steps, "step"), to_text(front, picked, scores));
   }
   return {};
 }
@@ -156,6 +196,8 @@ void add_front(CLI::App& app, Invocation& invocation) {
       ->type_name("X,Y")
       ->needs(plot)
       ->capture_default_str();
+  add_simulate_option(*command, options->simulate,
+                      {.episodes = "Also walk each tree in the simulator, in so many episodes (0: none)"});
   command->add_flag("--json", options->json, "The front as one JSON list");
   command->footer(
       "A rule: best MEASURE [with MEASURE<=NUMBER and ...] [else best ...], with <=, >= or =; shares are from 0 to 1;\n"
@@ -163,8 +205,11 @@ void add_front(CLI::App& app, Invocation& invocation) {
       "Examples:\n"
       "  coppice front uav.coppice --plot front.svg\n"
       "  coppice front uav.coppice --pick 'best return with nodes<=20 and coverage>=0.8' -o best.tree\n"
+      "  coppice front cart.coppice --episodes 50\n"
       "  coppice score uav.coppice --tree best.tree");
-  command->callback([&invocation, options] { invocation.chosen = [options] { return front_command(*options); }; });
+  command->callback([&invocation, options] {
+    invocation.chosen = [&invocation, options] { return front_command(*options, invocation.stop); };
+  });
 }
 
 }  // namespace coppice

@@ -35,6 +35,7 @@ struct Options {
   std::string no_action;
   std::vector<std::string> without;
   bool solve = false;
+  std::uint64_t min_visits = 1;
   bool merge = false;
   bool again = false;
   std::optional<double> gamma;
@@ -96,6 +97,7 @@ Result<ImportSettings> settings_of(const Options& options) {
   settings.q = options.q;
   settings.policy = options.policy;
   settings.solve = options.solve;
+  settings.min_visits = options.min_visits;
   settings.gamma = options.gamma;
   settings.horizon = options.horizon;
   return settings;
@@ -137,6 +139,10 @@ Json json_of(const Imported& imported) {
     json["never_tried"] = report.never_tried;
     json["contradictions"] = report.contradictions;
     json["bin_disagreement"] = or_null(report.bin_disagreement);
+    if (report.sweeps) {
+      json["solved_on_one_try"] = report.solved_on_one_try;
+      json["distrusted"] = report.distrusted;
+    }
   }
   json["notes"] = report.notes;
   return json;
@@ -256,6 +262,12 @@ void add_import(CLI::App& app, Invocation& invocation) {
   command->add_option("--policy", options->policy, "The policy: an action for each state (.npy or CSV)")
       ->type_name("FILE");
   command->add_flag("--solve", options->solve, "Make Q-values and policy: the best ones");
+  command
+      ->add_option("--min-visits", options->min_visits,
+                   "Of a log: --solve takes no action that was tried fewer times, where the state has another")
+      ->type_name("N")
+      ->check(whole_number())
+      ->capture_default_str();
   command->add_option("--gamma", options->gamma, "Discount, of solving and of the value reported")
       ->type_name("G")
       ->check(CLI::Range(0.0, 1.0));

@@ -93,7 +93,9 @@ Result<void> refine_command(const Options& options, const StopFlag& stop) {
   RefineSettings settings = options.settings;
   settings.walks.steps = options.steps ? *options.steps : learned_steps(study);
   settings.walks.seed = config->seed;
+  settings.walks.stop = &stop;
   settings.judged.steps = settings.walks.steps;
+  settings.judged.stop = &stop;
   if (const Result<void> checked = check_settings(settings); !checked) {
     return checked;
   }

@@ -32,8 +32,10 @@ Result<void> score_command(const Options& options, const StopFlag& stop) {
   if (!world) {
     return tl::unexpected(world.error());
   }
+  SimulateSettings settings = settings_of(options.simulate, study);
+  settings.stop = &stop;
   Result<Score> score = score_tree(
-      *world, study.chain(), tree, settings_of(options.simulate, study), [&] { return !stop.raised(); }, options.seen);
+      *world, study.chain(), tree, settings, [&] { return !stop.raised(); }, options.seen);
   if (!score) {
     return tl::unexpected(score.error());
   }

@@ -16,7 +16,7 @@ namespace coppice {
 
 struct SimulateOption {
   std::uint64_t episodes = SimulateSettings{}.episodes;
-  std::optional<std::uint32_t> steps;  // empty: as in learning
+  std::optional<std::uint32_t> steps = {};  // empty: as in learning
   std::uint64_t seed = SimulateSettings{}.seed;
   std::string simulator = {};  // a command; empty: what the study has
 };

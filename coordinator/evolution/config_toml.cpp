@@ -5,9 +5,9 @@
 #include <fstream>
 #include <iterator>
 #include <system_error>
-#include <toml++/toml.h>
 
 #include "common/evolution/config_keys.hpp"
+#include "common/toml.hpp"
 #include "coordinator/evolution/config_text.hpp"
 
 namespace coppice {
@@ -153,18 +153,16 @@ Result<std::size_t> read_text(std::string_view toml, const std::string& name, Ev
   if (toml.size() > kMaxConfigBytes) {
     return bad_input(fmt::format("{}: {} bytes: expected at most {}", name, toml.size(), kMaxConfigBytes));
   }
-  try {
-    const toml::table root = toml::parse(toml, name);
-    EvolveConfig changed = config;
-    Result<std::size_t> keys_set = TomlReader(name, changed).read(root);
-    if (keys_set) {
-      config = std::move(changed);
-    }
-    return keys_set;
-  } catch (const toml::parse_error& error) {
-    return bad_input(fmt::format("{}: line {}, column {}: {}", name, error.source().begin.line,
-                                 error.source().begin.column, error.description()));
+  const Result<toml::table> root = parse_toml(toml, name);
+  if (!root) {
+    return tl::unexpected(root.error());
   }
+  EvolveConfig changed = config;
+  Result<std::size_t> keys_set = TomlReader(name, changed).read(*root);
+  if (keys_set) {
+    config = std::move(changed);
+  }
+  return keys_set;
 }
 
 ConfigValue value_of(std::string_view text) {

@@ -70,6 +70,9 @@ Result<void> check_flags(const ImportSettings& settings, const ModelValuation& v
   if (settings.solve && given) {
     return bad_input("--solve makes Q-values and policy: expected it without --q and --policy");
   }
+  if (settings.min_visits > 1) {
+    return bad_input("--min-visits is for logs: a model's probabilities are not counted");
+  }
   if (settings.solve && !valuation.known) {
     return bad_input("--solve needs --gamma, a discount in the problem file, or --horizon");
   }

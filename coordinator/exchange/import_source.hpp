@@ -22,7 +22,8 @@ struct ImportSettings {
   std::string q = {};       // file; empty: none
   std::string policy = {};  // file; empty: none
   bool solve = false;
-  std::optional<double> gamma = {};           // none: the problem's discount
+  std::uint64_t min_visits = 1;      // of a log: solving takes no action that was tried less often where it need not
+  std::optional<double> gamma = {};  // none: the problem's discount
   std::optional<std::uint32_t> horizon = {};  // steps
 };
 

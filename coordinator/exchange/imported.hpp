@@ -30,6 +30,8 @@ struct ImportReport {
   std::uint64_t episodes = 0;              // of a log
   std::uint64_t truncated = 0;             // episodes of a log that were cut off
   std::uint64_t never_tried = 0;           // pairs of a log without a step
+  std::uint64_t solved_on_one_try = 0;     // states of a log whose solved action was tried once
+  std::uint64_t distrusted = 0;            // pairs of a log that solving was not to take
   std::uint64_t contradictions = 0;        // states of a log in which the recorded policy took different actions
   std::optional<double> bin_disagreement;  // share of the steps of a log whose action is not the one of their state
   std::vector<std::string> notes;          // anything else, a sentence each

@@ -32,8 +32,10 @@ struct Model {
   // Rows are (state, action) pairs: row = state * actions + action. An empty row: the state lacks the action.
   std::vector<std::uint64_t> row_begin;  // [states * actions + 1]
   std::vector<std::uint32_t> successor;  // [transitions], ascending and unique in a row
-  std::vector<double> probability;       // [transitions], > 0, a row's sum is 1
+  std::vector<double> probability;       // [transitions], > 0, a row's sum is 1; empty: `count` is there instead
   std::vector<double> reward;            // [states x actions], expected, of one step; finite; 0 in an empty row
+  std::vector<std::uint32_t> count;      // [transitions], of a log: how often, >= 1; solve() takes them as they are
+  std::vector<bool> distrusted;          // [states x actions], of a log: what solve() must not take; empty: nothing
   std::vector<double> collision;         // [states x actions], probability; empty: the source does not say
   std::vector<std::uint32_t> terminals;  // ascending: an episode ends on arrival; their rows do not matter
   std::vector<ModelStart> starts;        // ascending by state, the sum is 1

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <functional>
-#include <toml++/toml.h>
 
+#include "common/toml.hpp"
 #include "coordinator/exchange/line_reader.hpp"
 #include "coordinator/exchange/text_number.hpp"
 #include "coordinator/problem/problem.hpp"
@@ -281,11 +281,8 @@ Result<ProblemFile> read_problem_file(const std::string& path) {
   if (bytes->size() == kMaxBytes) {
     return bad_input(fmt::format("{}: {} bytes or more: expected a problem file", path, kMaxBytes));
   }
-  try {
-    return TomlReader(path).read(toml::parse(*bytes, path));
-  } catch (const toml::parse_error& error) {
-    return bad_input(fmt::format("{}: line {}: {}", path, error.source().begin.line, error.description()));
-  }
+  const Result<toml::table> root = parse_toml(*bytes, path);
+  return root ? TomlReader(path).read(*root) : tl::unexpected(root.error());
 }
 
 }  // namespace coppice

@@ -24,7 +24,9 @@ class Solver {
     }
   }
 
-  bool has(std::size_t row) const { return model_.row_begin[row + 1] > model_.row_begin[row]; }
+  bool has(std::size_t row) const {
+    return model_.row_begin[row + 1] > model_.row_begin[row] && (model_.distrusted.empty() || !model_.distrusted[row]);
+  }
   bool decides(std::size_t state) const { return !terminal_[state]; }
 
   // kNone: the state lacks the action.
@@ -32,12 +34,7 @@ class Solver {
     if (!has(row)) {
       return kNone;
     }
-    double sum = 0.0;
-    for (std::uint64_t i = model_.row_begin[row]; i < model_.row_begin[row + 1]; ++i) {
-      const std::uint32_t successor = model_.successor[i];
-      sum += terminal_[successor] ? 0.0 : model_.probability[i] * next[successor];
-    }
-    return model_.reward[row] + gamma_ * sum;
+    return model_.reward[row] + gamma_ * (model_.probability.empty() ? mean_by_count(row, next) : mean(row, next));
   }
 
   double best(std::size_t state, const std::vector<double>& next) const {
@@ -100,6 +97,26 @@ class Solver {
   std::vector<double>& values() { return values_; }
 
  private:
+  // Of `next` where the row leads; REQUIRES: has(row).
+  double mean(std::size_t row, const std::vector<double>& next) const {
+    double sum = 0.0;
+    for (std::uint64_t i = model_.row_begin[row]; i < model_.row_begin[row + 1]; ++i) {
+      const std::uint32_t successor = model_.successor[i];
+      sum += terminal_[successor] ? 0.0 : model_.probability[i] * next[successor];
+    }
+    return sum;
+  }
+  double mean_by_count(std::size_t row, const std::vector<double>& next) const {
+    double sum = 0.0;
+    double tries = 0.0;
+    for (std::uint64_t i = model_.row_begin[row]; i < model_.row_begin[row + 1]; ++i) {
+      const std::uint32_t successor = model_.successor[i];
+      tries += model_.count[i];
+      sum += terminal_[successor] ? 0.0 : model_.count[i] * next[successor];
+    }
+    return sum / tries;
+  }
+
   const Model& model_;
   double gamma_;
   std::vector<double> values_;

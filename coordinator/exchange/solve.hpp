@@ -8,6 +8,9 @@
 // H steps, undiscounted or not: H sweeps backwards; the policy is the first step's, and what is reported as its value
 // is that of taking it in every step.
 //
+// A model of a log may have counts in place of probabilities, and pairs that are distrusted: those are lacking, to all
+// of what follows but occupancy_of_policy(), which wants probabilities.
+//
 // Arrival in a terminal state ends an episode: its value is 0, whatever its rows say. Sums go in one order: the same
 // model gives the same bits. One thread.
 #pragma once

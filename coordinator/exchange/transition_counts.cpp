@@ -22,6 +22,10 @@ void TransitionCounts::merge() {
   }
   std::size_t from = keys_.size();
   std::size_t to = from + fresh;
+  if (to > keys_.capacity()) {  // by less than the doubling of a vector: most of the memory of an import is here
+    keys_.reserve(to + to / 8);
+    counts_.reserve(to + to / 8);
+  }
   keys_.resize(to);
   counts_.resize(to);
   for (std::size_t b = batch_.size(); b > 0;) {
@@ -71,6 +75,7 @@ Result<void> TransitionCounts::move_to(std::size_t states, ChainParts& parts) {
   for (std::size_t row = 0; row < rows; ++row) {
     parts.row_begin[row + 1] += parts.row_begin[row];
   }
+  counts_.shrink_to_fit();
   parts.count = std::move(counts_);
   counts_.clear();
   return {};

@@ -9,6 +9,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <thread>
@@ -41,7 +42,7 @@ int remaining_ms(Clock::time_point deadline) {
 
 }  // namespace
 
-Result<ChildProcess> ChildProcess::start(const std::string& command) {
+Result<ChildProcess> ChildProcess::start(const std::string& command, const StopFlag* stop) {
   // A socket, not a pipe, so that writing to a child that is gone is an error and not a signal.
   std::array<int, 2> to{-1, -1};
   std::array<int, 2> from{-1, -1};
@@ -88,6 +89,17 @@ Result<ChildProcess> ChildProcess::start(const std::string& command) {
   for (const int descriptor : {child.to_, child.from_, child.errors_}) {
     fcntl(descriptor, F_SETFL, fcntl(descriptor, F_GETFL) | O_NONBLOCK);
   }
+  if (stop != nullptr) {
+    child.stop_ = stop;
+    child.wake_up_ = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    if (child.wake_up_ < 0) {
+      return failed(fmt::format("cannot start the simulator: {}", std::strerror(errno)));
+    }
+    child.wake_ = stop->on_raise([wake_up = child.wake_up_] {
+      const std::uint64_t one = 1;
+      static_cast<void>(!::write(wake_up, &one, sizeof(one)));  // it can only fail where it is awake already
+    });
+  }
   return child;
 }
 
@@ -96,6 +108,9 @@ ChildProcess::ChildProcess(ChildProcess&& other) noexcept { *this = std::move(ot
 ChildProcess& ChildProcess::operator=(ChildProcess&& other) noexcept {
   if (this != &other) {
     end();
+    stop_ = std::exchange(other.stop_, nullptr);
+    wake_ = std::move(other.wake_);
+    wake_up_ = std::exchange(other.wake_up_, -1);
     pid_ = std::exchange(other.pid_, -1);
     to_ = std::exchange(other.to_, -1);
     from_ = std::exchange(other.from_, -1);
@@ -119,7 +134,8 @@ void ChildProcess::end() noexcept {
       if (signal != 0) {
         kill(-pid_, signal);
       }
-      const Clock::time_point deadline = Clock::now() + kPatience;
+      const Clock::time_point deadline =
+          Clock::now() + (signal == 0 && stopped() ? std::chrono::milliseconds(0) : kPatience);
       // Ends with the deadline; a killed process is waited for as long as it takes.
       while (!left && (signal == SIGKILL || Clock::now() < deadline)) {
         const pid_t waited = waitpid(pid_, &status, signal == SIGKILL ? 0 : WNOHANG);
@@ -136,6 +152,8 @@ void ChildProcess::end() noexcept {
     pid_ = -1;
   }
   close_one(errors_);
+  wake_ = {};  // before what it writes to
+  close_one(wake_up_);
 }
 
 void ChildProcess::drain_errors() {
@@ -168,8 +186,8 @@ void ChildProcess::drain_errors() {
 }
 
 bool ChildProcess::wait_for(bool want_write, Clock::time_point deadline) {
-  std::array<pollfd, 3> polled{pollfd{from_, POLLIN, 0}, pollfd{errors_, POLLIN, 0},
-                               pollfd{want_write ? to_ : -1, POLLOUT, 0}};
+  std::array<pollfd, 4> polled{pollfd{from_, POLLIN, 0}, pollfd{errors_, POLLIN, 0},
+                               pollfd{want_write ? to_ : -1, POLLOUT, 0}, pollfd{wake_up_, POLLIN, 0}};
   const int ready = poll(polled.data(), polled.size(), remaining_ms(deadline));
   readable_ = ready > 0 && polled[0].revents != 0;
   writable_ = ready > 0 && polled[2].revents != 0;
@@ -216,6 +234,9 @@ Result<void> ChildProcess::write_line(std::string_view line, std::chrono::millis
   std::string_view rest = whole;
   // Every turn waits for the child, until the deadline.
   while (!rest.empty()) {
+    if (stopped()) {
+      return interrupted();
+    }
     const ssize_t sent = send(to_, rest.data(), rest.size(), MSG_NOSIGNAL);
     if (sent >= 0) {
       rest.remove_prefix(static_cast<std::size_t>(sent));
@@ -236,6 +257,9 @@ Result<std::string> ChildProcess::read_line(std::chrono::milliseconds timeout) {
   std::size_t searched = 0;
   // Every turn waits for the child, until the deadline.
   while (true) {
+    if (stopped()) {
+      return interrupted();
+    }
     if (const std::size_t end = buffer_.find('\n', searched); end != std::string::npos) {
       std::string line = buffer_.substr(0, end);
       buffer_.erase(0, end + 1);

@@ -107,13 +107,17 @@ tl::unexpected<Error> ExternalSimulator::wrong(const std::string& what, const st
                             words.empty() ? "" : "; on standard error it said:" + words));
 }
 
-Result<ExternalSimulator> ExternalSimulator::start(const std::string& command, const Vocabulary& vocabulary) {
-  Result<ChildProcess> child = ChildProcess::start(command);
+Result<ExternalSimulator> ExternalSimulator::start(const std::string& command, const Vocabulary& vocabulary,
+                                                   const StopFlag* stop) {
+  Result<ChildProcess> child = ChildProcess::start(command, stop);
   if (!child) {
     return in_context(fmt::format("simulator '{}'", command), std::move(child).error());
   }
   ExternalSimulator simulator(std::move(*child), command, vocabulary.features.size());
   const Result<std::string> line = simulator.child_.read_line(kFirstLine);
+  if (!line && line.error().kind == ErrorKind::interrupted) {
+    return tl::unexpected(line.error());
+  }
   if (!line) {
     return in_context(fmt::format("simulator '{}': before its first line", command), line.error());
   }
@@ -159,7 +163,7 @@ Result<ExternalSimulator> ExternalSimulator::start(const std::string& command, c
 Result<std::string> ExternalSimulator::ask(const std::string& request) {
   const Result<void> asked = child_.write_line(request, timeout_);
   Result<std::string> line = asked ? child_.read_line(timeout_) : tl::unexpected<Error>(asked.error());
-  if (!line) {
+  if (!line && line.error().kind != ErrorKind::interrupted) {
     return in_context(fmt::format("simulator '{}'", command_), std::move(line).error());
   }
   return line;

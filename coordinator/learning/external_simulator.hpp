@@ -20,7 +20,9 @@ class ExternalSimulator {
  public:
   // Starts the command and hears its first line. Errors name the command: it cannot be started, ends, is silent for too
   // long, does not speak this protocol; its features or actions are not those of the vocabulary, by name and order.
-  static Result<ExternalSimulator> start(const std::string& command, const Vocabulary& vocabulary);
+  // Once `stop` is raised every call ends at once with `interrupted`. REQUIRES: `stop`, if not null, outlives this.
+  static Result<ExternalSimulator> start(const std::string& command, const Vocabulary& vocabulary,
+                                         const StopFlag* stop = nullptr);
 
   struct Step {
     std::vector<double> observation;  // [features] readings, each in its own unit

@@ -179,7 +179,8 @@ class OutsideWalk {
                 .action = actions[i],
                 .reward = done.reward,
                 .after = starts_again ? first_features_ : std::span<const std::uint8_t>(*episode.features),
-                .ended = done.terminated});
+                .ended = done.terminated,
+                .collided = simulator_.tells_collisions() ? std::optional(done.collision) : std::nullopt});
       }
       const bool ended = done.terminated || done.truncated || record.steps >= settings_.steps;
       (ended ? free : busy_).push_back(places[i]);
@@ -206,7 +207,7 @@ class OutsideWalk {
 Result<std::vector<EpisodeRecord>> simulate_outside(const std::string& command, const Chain& chain, const Tree* tree,
                                                     const SimulateSettings& settings, const SimulateProgress& go_on,
                                                     const SimulateWatch& watch) {
-  Result<ExternalSimulator> simulator = ExternalSimulator::start(command, chain.vocabulary());
+  Result<ExternalSimulator> simulator = ExternalSimulator::start(command, chain.vocabulary(), settings.stop);
   if (!simulator) {
     return tl::unexpected(std::move(simulator).error());
   }

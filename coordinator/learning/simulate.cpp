@@ -80,7 +80,8 @@ Result<std::vector<EpisodeRecord>> run_episodes(Simulator simulator, const Obser
         watch({.before = observations.features(code),
                .action = action,
                .reward = outcome.reward,
-               .after = observations.features(ended ? first_code : simulator.code())});
+               .after = observations.features(ended ? first_code : simulator.code()),
+               .collided = outcome.collided});
       }
     }
     records.push_back(record);

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "common/chain/chain.hpp"
 #include "common/error.hpp"
+#include "common/stop.hpp"
 #include "common/tree/tree.hpp"
 #include "coordinator/learning/world.hpp"
 
@@ -18,6 +20,7 @@ struct SimulateSettings {
   std::uint32_t steps = 150;  // per episode
   std::uint64_t seed = 1;
   std::uint64_t first_episode = 0;  // number of the first: episodes of other numbers have other luck
+  const StopFlag* stop = nullptr;   // raised: an outside simulator is ended in the middle of an episode
 };
 
 // Asked between episodes; false to stop. May be empty.
@@ -41,6 +44,7 @@ struct SimulatedStep {
   std::span<const std::uint8_t> after;
   // `after` is where the task ended, in a chain that has states for that.
   bool ended = false;
+  std::optional<bool> collided = {};  // nothing: the simulator does not say
 };
 // Called behind every step. May be empty.
 using SimulateWatch = std::function<void(const SimulatedStep&)>;

@@ -56,6 +56,7 @@ Experience::Experience(const Chain& chain)
     : chain_(chain),
       states_(static_cast<std::uint32_t>(chain.states())),
       reward_sum_(chain.states() * chain.actions(), 0.0),
+      collisions_(chain.parts().collisions.empty() ? 0 : chain.states() * chain.actions(), 0),
       counts_(chain.actions()) {
   state_of_.reserve(chain.states());
   for (std::uint32_t state = 0; state < chain.states(); ++state) {
@@ -71,6 +72,7 @@ std::uint32_t Experience::state_of(std::span<const std::uint8_t> observation) {
     ++states_;
     new_features_.insert(new_features_.end(), observation.begin(), observation.end());
     reward_sum_.resize(reward_sum_.size() + chain_.actions(), 0.0);
+    collisions_.resize(chain_.parts().collisions.empty() ? 0 : reward_sum_.size(), 0);
   }
   return found->second;
 }
@@ -90,10 +92,20 @@ void Experience::add(const SimulatedStep& step) {
   const std::uint32_t next = step.ended ? end_of(step.after) : state_of(step.after);
   counts_.count(state, static_cast<std::uint32_t>(index_of(step.action)), next);
   reward_sum_[chain_.row(state, step.action)] += step.reward;
+  if (!collisions_.empty()) {
+    collisions_[chain_.row(state, step.action)] += step.collided.value_or(false) ? 1 : 0;
+    lacks_collisions_ = lacks_collisions_ || !step.collided;
+  }
   ++steps_;
 }
 
 Result<Extended> Experience::extended() const {
+  if (lacks_collisions_) {
+    return bad_input(
+        "the study counts collisions, and the simulator does not say which steps are some: expected \"collisions\": "
+        "true "
+        "in its first line (python -m coppice.gym --collision-reward R)");
+  }
   const ChainParts& known = chain_.parts();
   const std::size_t states = states_;
   const std::size_t known_rows = chain_.states() * chain_.actions();
@@ -126,6 +138,9 @@ Result<Extended> Experience::extended() const {
     gains.transitions += *fresh;
     gains.pairs += before.successor.empty() && !more.successor.empty() ? 1 : 0;
     parts.reward_sum[row] += reward_sum_[row];
+    if (!collisions_.empty()) {  // no more than the row's tries, which stay below 2^32 or Chain::make() refuses
+      parts.collisions[row] += static_cast<std::uint32_t>(collisions_[row]);
+    }
   }
   auto chain = Chain::make(std::move(parts));
   if (!chain) {

@@ -46,7 +46,10 @@ class Experience {
   // REQUIRES: observations of the chain's vocabulary, an action of it.
   void add(const SimulatedStep& step);
 
-  // The chain with everything counted so far. Errors: a (state, action) tried 2^32 times.
+  // The chain says what collides, and a step that was added did not.
+  bool lacks_collisions() const { return lacks_collisions_; }
+
+  // The chain with everything counted so far. Errors: a (state, action) tried 2^32 times; lacks_collisions().
   Result<Extended> extended() const;
 
  private:
@@ -61,8 +64,10 @@ class Experience {
   std::uint32_t states_;                    // known and new
   std::vector<std::uint8_t> new_features_;  // [new states x features]
   std::vector<double> reward_sum_;          // [states x actions], new states included
+  std::vector<std::uint64_t> collisions_;   // the same; empty: the chain does not say what collides
   ChainBuilder counts_;
   std::uint64_t steps_ = 0;
+  bool lacks_collisions_ = false;
 };
 
 }  // namespace coppice

@@ -120,9 +120,10 @@ class Refinement {
     SimulateSettings walks = settings_.walks;
     walks.first_episode = std::uint64_t{round} << 32U;  // the score's are below, and no two rounds share one
     Experience experience(from.chain());
-    const auto episodes = simulate_tree(world_, from.chain(), tree, walks, hooks_.go_on,
+    const auto go_on = [&] { return !experience.lacks_collisions() && (!hooks_.go_on || hooks_.go_on()); };
+    const auto episodes = simulate_tree(world_, from.chain(), tree, walks, go_on,
                                         [&](const SimulatedStep& step) { experience.add(step); });
-    if (!episodes) {
+    if (!episodes && !experience.lacks_collisions()) {
       return tl::unexpected(episodes.error());
     }
     auto extended = experience.extended();

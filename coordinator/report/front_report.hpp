@@ -10,6 +10,7 @@
 #include "common/error.hpp"
 #include "common/tree/vocabulary.hpp"
 #include "coordinator/evolution/pick.hpp"
+#include "coordinator/report/score.hpp"
 
 namespace coppice {
 
@@ -19,10 +20,13 @@ bool is_share(Measure measure);
 // One value as people read it: shares in percent, the others with the digits that tell.
 std::string measure_text(Measure measure, double value);
 
-// A line a tree: its number on the front (from 0), every measure, fitness; `picked` is marked.
-std::string to_text(const Front& front, std::optional<std::size_t> picked);
+// A line a tree: its number on the front (from 0), every measure, what it did in the simulator, fitness; `picked` is
+// marked. simulated: [members], or empty: it was not tried there.
+std::string to_text(const Front& front, std::optional<std::size_t> picked,
+                    const std::vector<ControllerScore>& simulated = {});
 
-// A list of objects on one line: number, fitness, each measure, tree.
-std::string to_json(const Front& front, const Vocabulary& vocabulary, std::optional<std::size_t> picked);
+// A list of objects on one line: number, fitness, each measure, "simulated", tree.
+std::string to_json(const Front& front, const Vocabulary& vocabulary, std::optional<std::size_t> picked,
+                    const std::vector<ControllerScore>& simulated = {});
 
 }  // namespace coppice

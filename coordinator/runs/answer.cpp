@@ -200,7 +200,8 @@ class Choice {
         chain_(study, front, config),
         settings_{.episodes = 0,
                   .steps = has_simulator(study) ? learned_steps(study) : config.rollout.steps,
-                  .seed = config.seed} {}
+                  .seed = config.seed,
+                  .stop = progress.stop} {}
 
   Result<Answer> make() {
     Answer answer;

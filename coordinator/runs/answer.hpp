@@ -27,6 +27,7 @@
 
 #include "common/error.hpp"
 #include "common/evolution/config.hpp"
+#include "common/stop.hpp"
 #include "coordinator/evolution/pick.hpp"
 #include "coordinator/report/score.hpp"
 #include "coordinator/study/study.hpp"
@@ -56,7 +57,8 @@ struct Answer {
 };
 
 struct AnswerProgress {
-  std::function<bool()> go_on;  // asked between episodes; false to stop. May be empty.
+  std::function<bool()> go_on = {};  // asked between episodes; false to stop. May be empty.
+  const StopFlag* stop = nullptr;    // see SimulateSettings::stop
 };
 
 // REQUIRES: front.members is not empty, config.front.prefer is not Prefer::pick. Errors: interrupted; the simulator.

@@ -33,12 +33,13 @@ Result<void> keep_simulator(const std::string& study_path, const std::string& si
   if (!study) {
     return tl::unexpected(std::move(study).error());
   }
-  Problem problem = study->problem();
-  if (problem.simulator == simulator) {
+  if (study->problem().simulator == simulator) {
     return {};
   }
-  problem.simulator = simulator;
-  return study->save_problem(problem);
+  return study->change_problem([&](Problem& problem) -> Result<void> {
+    problem.simulator = simulator;
+    return {};
+  });
 }
 
 Result<std::optional<std::vector<EpisodeRecord>>> simulated(const Study& study, const Tree& tree,
@@ -55,7 +56,9 @@ Result<std::optional<std::vector<EpisodeRecord>>> simulated(const Study& study, 
   if (const Result<void> checked = check_score_settings(settings); !checked) {
     return tl::unexpected(checked.error());
   }
-  return simulate_tree(*world, study.chain(), tree, settings, [&] { return !stop.raised(); })
+  SimulateSettings stopped_by = settings;
+  stopped_by.stop = &stop;
+  return simulate_tree(*world, study.chain(), tree, stopped_by, [&] { return !stop.raised(); })
       .map([](std::vector<EpisodeRecord> episodes) { return Episodes(std::move(episodes)); });
 }
 

@@ -9,8 +9,8 @@
 #include <fstream>
 #include <iterator>
 #include <set>
-#include <toml++/toml.h>
 
+#include "common/toml.hpp"
 #include "coordinator/evolution/config_text.hpp"
 #include "coordinator/report/score.hpp"
 
@@ -250,13 +250,8 @@ std::string SweepPlan::label(std::size_t setting) const {
 }
 
 Result<SweepPlan> read_sweep(std::string_view toml, const std::string& name, const Vocabulary& vocabulary) {
-  try {
-    const toml::table root = toml::parse(toml, name);
-    return SweepReader(name, vocabulary).read(root);
-  } catch (const toml::parse_error& error) {
-    return bad_input(fmt::format("{}: line {}, column {}: {}", name, error.source().begin.line,
-                                 error.source().begin.column, error.description()));
-  }
+  const Result<toml::table> root = parse_toml(toml, name);
+  return root ? SweepReader(name, vocabulary).read(*root) : tl::unexpected(root.error());
 }
 
 Result<SweepPlan> load_sweep(const std::string& path, const Vocabulary& vocabulary) {

@@ -121,7 +121,8 @@ class Sweep {
                       static_cast<double>(chain_.states());
     if (world_ != nullptr) {
       const auto episodes =
-          simulate_tree(*world_, chain_, result.tree, {.episodes = settings_.episodes, .steps = settings_.steps},
+          simulate_tree(*world_, chain_, result.tree,
+                        {.episodes = settings_.episodes, .steps = settings_.steps, .stop = &stop_},
                         [&] { return !stop_.raised() && !ended(); });
       if (!episodes) {
         return tl::unexpected(episodes.error());

@@ -27,6 +27,8 @@ if ! $pip install --quiet --requirement "$requirements"; then
     $pip install --quiet "$package" || echo "judges: $package could not be had: who needs it will not run" >&2
   done < "$requirements"
 fi
+# Of dtControl only the loader is wanted, which needs pandas and sympy; as a whole it brings a web server.
+$pip install --quiet --no-deps dtcontrol==2.1.15 || echo "judges: dtcontrol could not be had: who needs it will not run" >&2
 if ! $pip install --quiet --editable deploy/python; then
   rm -rf "$venv"
   echo "judges: deploy/python could not be installed: they will not run" >&2

@@ -36,6 +36,60 @@ def test_the_same_seed_writes_the_same_file_and_another_seed_another(tmp_path: P
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes() != (tmp_path / "c").read_bytes()
 
 
+class Tensor:
+    """What a torch module gives, as far as it matters: no array until it is detached."""
+
+    def __init__(self, values: list[float]) -> None:
+        self.values = values
+
+    def detach(self) -> "Tensor":
+        return self
+
+    def cpu(self) -> "Tensor":
+        return self
+
+    def numpy(self) -> np.ndarray:  # type: ignore[type-arg]
+        return np.array(self.values, np.float32)
+
+    def __array__(self, *_: object) -> np.ndarray:  # type: ignore[type-arg]
+        raise RuntimeError("can't call numpy() on a tensor that requires grad")
+
+
+class Fitted:
+    """A fitted scikit-learn classifier, as far as it matters: rows in, a label a row out."""
+
+    n_features_in_ = 4
+
+    def predict(self, rows: np.ndarray) -> np.ndarray:  # type: ignore[type-arg]
+        assert rows.ndim == 2
+        return (rows[:, 2] > 0).astype(np.int64)
+
+
+class Agent:
+    """A model of stable-baselines3: an observation in, the action and a state out."""
+
+    def predict(self, observation: np.ndarray) -> tuple[np.ndarray, None]:  # type: ignore[type-arg]
+        return np.array(int(observation[2] > 0)), None
+
+
+def test_models_and_scores_do_as_policies(tmp_path: Path) -> None:
+    env = gymnasium.make("CartPole-v1")
+    policies = {
+        "plain": lambda o: int(o[2] > 0),
+        "scores": lambda o: np.array([0.0, o[2]]),
+        "tensor": lambda o: Tensor([0.0, float(o[2])]),
+        "fitted": Fitted(),
+        "agent": Agent(),
+    }
+    for name, policy in policies.items():
+        coppice.record(env, policy, 3, tmp_path / name, seed=4)
+    assert len({(tmp_path / name).read_bytes() for name in policies}) == 1
+    with pytest.raises(coppice.CoppiceError, match="or 2 scores"):
+        coppice.record(env, lambda o: [0.1, 0.2, 0.3], 1, tmp_path / "log")
+    with pytest.raises(coppice.CoppiceError, match="or a model with predict"):
+        coppice.record(env, 3, 1, tmp_path / "log")
+
+
 def test_a_cut_episode_is_truncated_and_an_ended_one_terminated(tmp_path: Path) -> None:
     coppice.record(environments.Corridor(), lambda o: 1, 2, tmp_path / "ends", steps=50)
     assert [line["terminated"] for line in lines(tmp_path / "ends")[1:] if line["next_observation"] == [4.0]] == [True] * 2

@@ -1,6 +1,7 @@
 import pytest
 
 import coppice
+import environments
 from coppice.tree import to_text
 
 
@@ -60,3 +61,16 @@ def test_json_names_features_and_actions_so_that_arrays_and_numbers_will_do() ->
         tree([1, 2, 3])
     with pytest.raises(coppice.CoppiceError, match="has no 'y'"):
         tree({"x": 1})
+
+
+def test_what_an_environment_with_a_dict_space_gives_is_laid_flat() -> None:
+    names = coppice.problem_of(environments.Mixed()).feature_names
+    features = ", ".join(f'{{"name": "{name}"}}' for name in names)
+    text = '"tree": {"type": "sequence", "children": [{"type": "condition", "feature": "%s", "op": "<=", "value": %s}, '
+    text += '{"type": "action", "action": "go"}]}'
+    observation = environments.Mixed().reset()[0]
+    for feature, value, action in (("pose_1", -0.5, "go"), ("pose_0", 0.4, None), ("gear", 2, "go"), ("flags_1", -1, None)):
+        tree = coppice.Tree.parse('{"features": [%s], "actions": [{"name": "go"}], %s}' % (features, text % (feature, value)))
+        assert tree(observation) == action
+    with pytest.raises(coppice.CoppiceError, match="has no 'flags_1'"):
+        tree({"gear": 2, "pose": [0.5, -0.5, 0.0]})

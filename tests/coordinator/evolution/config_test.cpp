@@ -271,6 +271,7 @@ TEST(Config, TomlErrorsNameFileLineKeyAndWhatWasExpected) {
       {"[ga\npopulation = 3\n", {"run.toml: line 1, column"}},
       {"[ga]\npopulation = 3\npopulation = 4\n", {"run.toml: line 3"}},
       {"\"\" = 3\n", {"line 1: unknown key ''"}},
+      {"seed = 1\n\n[,ga]\n", {"run.toml: line 3"}},
   };
   for (const BadFile& file : files) {
     EvolveConfig config = unusual_config();

@@ -95,6 +95,44 @@ TEST(Log, AValueIsThatOfThePolicyThatTheLogShows) {
   EXPECT_GE(*solved.report.value, v1 - 1e-9);
 }
 
+// In state 0 the action `safe` was tried ten times for 1 each, `lucky` once for 100; state 1 knows `safe` only.
+TEST(Log, SolvingSaysWhatItBelievesAndLeavesOutWhatWasTriedTooSeldom) {
+  std::string text = "x,action,reward,next_x\n0,lucky,100,1\n1,safe,0,0\n";
+  for (int i = 0; i < 10; ++i) {
+    text += "0,safe,1,0\n";
+  }
+  SourceFiles files;
+  const std::string path = files.write("lucky.csv", text);
+  const auto solved = [&](std::uint64_t min_visits) {
+    return imported(path, [&](ImportSettings& s) {
+      s.solve = true;
+      s.gamma = 0.5;
+      s.min_visits = min_visits;
+    });
+  };
+  const Imported credulous = solved(1);
+  EXPECT_EQ(credulous.chain.vocabulary().actions[index_of(credulous.chain.policy(0))], "lucky");
+  EXPECT_EQ(credulous.report.solved_on_one_try, 2U);
+  EXPECT_EQ(credulous.report.distrusted, 0U);
+  ASSERT_EQ(credulous.report.notes.size(), 1U);
+  EXPECT_NE(credulous.report.notes[0].find("in 2 of 2 states the action that it chose was tried only once"),
+            std::string::npos)
+      << credulous.report.notes[0];
+
+  const Imported careful = solved(5);
+  EXPECT_EQ(careful.chain.vocabulary().actions[index_of(careful.chain.policy(0))], "safe");
+  EXPECT_EQ(careful.chain.vocabulary().actions[index_of(careful.chain.policy(1))], "safe") << "it has no other";
+  EXPECT_EQ(careful.report.solved_on_one_try, 1U);
+  EXPECT_EQ(careful.report.distrusted, 1U);
+  EXPECT_NEAR(careful.chain.parts().q[careful.chain.row(0, careful.chain.policy(0))], 2.0, 1e-9);
+  EXPECT_LE(careful.chain.parts().q[0], 2.0) << "what must not be taken is worth no more than what may";
+
+  ImportSettings without;
+  without.source = path;
+  without.min_visits = 5;
+  EXPECT_NE(import_source(without).error().message.find("--min-visits"), std::string::npos);
+}
+
 TEST(Log, EndsMayStartAgainAndCollisionsAreCountedByRewardOrTest) {
   SourceFiles files;
   const Imported again = imported(files.write("l.csv", kCsv), [](ImportSettings& s) {

@@ -96,6 +96,8 @@ TEST(ProblemFile, WhatIsWrongIsNamedWithLineAndKey) {
   refused("initial = { shares = { a = 1 } }", "initial.shares.a: expected a state's number");
   refused("initial = { shares = { 1 = 0 } }", "initial.shares.1: expected a state's number and a share above 0");
   refused("title = ", "bad.toml: line 1");
+  refused("title = \"x\"\n[.actions]\n", "bad.toml: line 2");
+  refused("[", "bad.toml: line 1");
 }
 
 TEST(Predicate, HoldsAsItReads) {

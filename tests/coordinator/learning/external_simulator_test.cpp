@@ -1,9 +1,14 @@
 #include "coordinator/learning/external_simulator.hpp"
 
 #include <cstdio>
+#include <filesystem>
 #include <fmt/format.h>
+#include <fstream>
 #include <gtest/gtest.h>
+#include <optional>
 #include <signal.h>
+#include <thread>
+#include <vector>
 
 #include "common/tree/text.hpp"
 #include "coordinator/learning/child_process.hpp"
@@ -208,6 +213,54 @@ TEST(ExternalSimulator, refuses_nonsense_with_the_command_the_line_and_its_last_
     EXPECT_NE(found.find(message), std::string::npos) << command << "\n" << found;
     EXPECT_NE(found.find("simulator '"), std::string::npos) << found;
   }
+}
+
+TEST(ExternalSimulator, says_which_steps_were_collisions_where_it_knows) {
+  const std::string hello = R"({"coppice_simulator":1,"features":["x"],"actions":["go","stay"],"collisions":true})";
+  const std::string crashing =
+      script(hello,
+             "*reset*) echo \"{\\\"id\\\":$n,\\\"observations\\\":[[0]]}\";;"
+             "*) echo \"{\\\"id\\\":$n,\\\"observations\\\":[[1]],\\\"rewards\\\":[1],\\\"terminated\\\":[false],"
+             "\\\"truncated\\\":[true],\\\"collisions\\\":[true]}\";;");
+  std::vector<std::optional<bool>> collided;
+  const auto watch = [&](const SimulatedStep& step) { collided.push_back(step.collided); };
+  const SimulateSettings settings{.episodes = 2, .steps = 10, .seed = 1};
+  ASSERT_TRUE(simulate_tree(outside_world(crashing, kVocabulary), chain_with(), tree_of("go"), settings, {}, watch));
+  EXPECT_EQ(collided, (std::vector<std::optional<bool>>{true, true}));
+  collided.clear();
+  ASSERT_TRUE(simulate_tree(outside_world(corridor(), kVocabulary), chain_with(), tree_of("go"), settings, {}, watch));
+  EXPECT_EQ(collided, (std::vector<std::optional<bool>>(4)));
+}
+
+// The child takes an hour over its first step and does not read on: only a signal ends it.
+TEST(ExternalSimulator, is_ended_in_the_middle_of_an_episode_when_the_flag_is_raised) {
+  const std::string alive = ::testing::TempDir() + "coppice_simulator_pid";
+  std::remove(alive.c_str());
+  const std::string slow = script(
+      kHello, fmt::format("*reset*) echo \"{{\\\"id\\\":$n,\\\"observations\\\":[[0]]}}\";; *) echo $$ > '{0}.new'; mv "
+                          "'{0}.new' '{0}'; exec tail -f /dev/null;;",
+                          alive));
+  StopFlag stop;
+  std::thread raiser([&] {
+    // Ends when the child is at its step, or with the test's own limit.
+    while (!std::filesystem::exists(alive)) {
+      std::this_thread::yield();
+    }
+    stop.raise();
+  });
+  SimulateSettings settings{.episodes = 2, .steps = 10, .seed = 1};
+  settings.stop = &stop;
+  const auto records = simulate_tree(outside_world(slow, kVocabulary), chain_with(), tree_of("go"), settings);
+  raiser.join();
+  ASSERT_FALSE(records);
+  EXPECT_EQ(records.error().kind, ErrorKind::interrupted);
+  pid_t child = 0;
+  std::ifstream(alive) >> child;
+  ASSERT_GT(child, 0);
+  EXPECT_NE(::kill(child, 0), 0) << "it is still there";
+  // Raised before it begins: nothing is waited for.
+  EXPECT_FALSE(simulate_tree(outside_world(corridor(), kVocabulary), chain_with(), tree_of("go"), settings));
+  std::remove(alive.c_str());
 }
 
 TEST(ExternalSimulator, stops_between_episodes_when_it_is_told_to) {

@@ -118,6 +118,34 @@ TEST(Experience, NothingMetIsTheSameChain) {
   EXPECT_EQ(same.gains, Gains{});
 }
 
+TEST(Experience, CountsCollisionsWhereTheChainDoesAndRefusesASimulatorThatDoesNotSay) {
+  ChainParts parts = testing::small_chain().parts();
+  parts.collisions.assign(parts.reward_sum.size(), 0);
+  const Chain chain = *Chain::make(std::move(parts));
+  const std::vector<std::uint8_t> seen(chain.features_of(0).begin(), chain.features_of(0).end());
+  const auto step = [&](std::optional<bool> collided) {
+    return SimulatedStep{
+        .before = seen, .action = ActionId{1}, .reward = -1.0, .after = seen, .ended = false, .collided = collided};
+  };
+  Experience experience(chain);
+  for (const bool collided : {true, false, true}) {
+    experience.add(step(collided));
+  }
+  const Extended extended = experience.extended().value();
+  std::vector<std::uint32_t> expected(chain.states() * chain.actions(), 0);
+  expected[chain.row(0, ActionId{1})] = 2;
+  EXPECT_EQ(extended.chain.parts().collisions, expected);
+  experience.add(step(std::nullopt));
+  EXPECT_TRUE(experience.lacks_collisions());
+  ASSERT_FALSE(experience.extended().has_value());
+  EXPECT_NE(experience.extended().error().message.find("--collision-reward"), std::string::npos);
+
+  const Chain silent = testing::small_chain();  // nobody said what collides: none is counted, and none is missed
+  Experience without(silent);
+  without.add(step(std::nullopt));
+  EXPECT_TRUE(without.extended().value().chain.parts().collisions.empty());
+}
+
 // In what order steps are met decides the numbers of new states, nothing else.
 TEST(Experience, IsCountedTheSameWhenAddedInTwoParts) {
   const World world = testing::world(testing::small_room());

@@ -50,6 +50,20 @@ TEST_F(FrontCommand, PicksByARule) {
   EXPECT_DOUBLE_EQ(score["tree"]["agreement_over_states"].get<double>(), most);
 }
 
+TEST_F(FrontCommand, WalksEachTreeInTheSimulatorWhenAskedTo) {
+  const auto front = coppice_json({"front", "study.coppice", "--episodes", "4", "--steps", "30", "--json"});
+  for (const auto& member : front) {
+    ASSERT_EQ(member["simulated"]["episodes"], 4);
+  }
+  const auto score = coppice_json({"score", "study.coppice", "--tree", front[0]["tree"].get<std::string>(),
+                                   "--episodes", "4", "--steps", "30", "--json"});
+  EXPECT_EQ(front[0]["simulated"]["reward"], score["tree"]["reward"]);
+  const Completed listed = coppice({"front", "study.coppice", "--episodes", "4", "--steps", "30"});
+  EXPECT_NE(listed.output.find("simulated: agreement"), std::string::npos) << listed.output;
+  EXPECT_FALSE(coppice_json({"front", "study.coppice", "--json"})[0].contains("simulated"));
+  expect_wrong_use({"front", "study.coppice", "--simulator", "true"}, {"--simulator without --episodes"});
+}
+
 TEST_F(FrontCommand, RefusesARuleThatNothingFits) {
   expect_wrong_use({"front", "study.coppice", "--pick", "best return with coverage>=2", "-o", "none.tree"},
                    {"--pick best return with coverage>=2", "none of the"});

@@ -11,9 +11,10 @@ import numpy as np
 
 from coppice.errors import CoppiceError
 from coppice.files import whole_file
-from coppice.spaces import problem_of
+from coppice.spaces import flat, problem_of
 
-Policy = Callable[[Any], Any]
+# A callable, or an object with predict(): a trained model of scikit-learn or stable-baselines3.
+Policy = Callable[[Any], Any] | Any
 
 
 def record(
@@ -32,7 +33,8 @@ def record(
 ) -> int:
     """Runs `policy` in `env` and writes every step to `path`. Returns the number of steps.
 
-    policy: from an observation to an action (an int; what a model's predict() gives is accepted too).
+    policy: from an observation to an action: an int, or whatever holds one (arrays, tensors, what predict() gives); or to a
+        score for each action, the highest of which is taken. A model with predict() may stand for it.
     seed: episode i is reset with seed + i, so the same call gives the same file.
     exploration: with this probability a step takes a random action instead; a chain needs more than the policy's own.
     steps: an episode is cut there, besides the environment's own limit; it counts as truncated.
@@ -56,6 +58,7 @@ def record(
     if simulator is not None:
         first["simulator"] = simulator
     random = np.random.default_rng(seed)
+    act = acting(policy)
     total = 0
     with whole_file(path) as out:
         out.write(json.dumps(first, allow_nan=False) + "\n")
@@ -67,7 +70,7 @@ def record(
                 if exploration > 0.0 and random.random() < exploration:
                     action = int(random.integers(len(problem.actions)))
                 else:
-                    action = action_of(policy(observation), len(problem.actions))
+                    action = action_of(act(observation), len(problem.actions))
                 after, reward, terminated, truncated, _ = env.step(action)
                 cut = steps is not None and step + 1 >= steps
                 line = {
@@ -93,13 +96,32 @@ def record(
     return total
 
 
+def acting(policy: Policy) -> Callable[[Any], Any]:
+    """The policy as a callable. A fitted scikit-learn model is asked for one row of numbers."""
+    if callable(policy):
+        return policy
+    predict = getattr(policy, "predict", None)
+    if predict is None:
+        raise CoppiceError(f"the policy is {policy!r}: expected a function of the observation, or a model with predict()")
+    if hasattr(policy, "n_features_in_"):
+        return lambda observation: predict(np.asarray([flat(observation)]))
+    return predict  # type: ignore[no-any-return]
+
+
 def action_of(chosen: Any, actions: int) -> int:
-    """The index that a policy chose; of a tuple, as predict() gives, the first."""
+    """The index that a policy chose; of a tuple, as predict() gives, the first; of scores, one an action, the highest (the
+    first of those that are equal)."""
     if isinstance(chosen, tuple):
         chosen = chosen[0]
+    if hasattr(chosen, "detach"):  # a tensor that may lie elsewhere and know its gradient
+        chosen = chosen.detach().cpu().numpy()
     array = np.asarray(chosen)
+    if array.dtype.kind == "f" and array.size == actions > 1 and not np.isnan(array).any():
+        return int(np.argmax(array))
     if array.size != 1 or array.dtype.kind not in "iub":
-        raise CoppiceError(f"the policy chose {chosen!r}: expected one whole number")
+        raise CoppiceError(
+            f"the policy chose {chosen!r}: expected one whole number, or {actions} scores of which the highest is taken"
+        )
     action = int(array.reshape(-1)[0])
     if not 0 <= action < actions:
         raise CoppiceError(f"the policy chose {action}: expected 0 to {actions - 1}")

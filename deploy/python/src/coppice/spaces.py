@@ -104,6 +104,27 @@ def flat(observation: Any) -> list[float]:
     return [float(number) for number in array.reshape(-1)]
 
 
+def named(observation: Any) -> dict[str, float]:
+    """The numbers of an observation under the names that _names_of_space() makes up for its space."""
+    found: dict[str, float] = {}
+
+    def add(part: Any, prefix: str) -> None:
+        if isinstance(part, Mapping):
+            for key in sorted(part):
+                add(part[key], _joined(prefix, str(key)))
+        elif isinstance(part, tuple):
+            for i, each in enumerate(part):
+                add(each, _joined(prefix, str(i)))
+        else:
+            values = flat(part)
+            for i, value in enumerate(values):
+                name = (prefix or "state") if len(values) == 1 else _joined(prefix or "x", str(i))
+                found[identifier(name)] = value
+
+    add(observation, "")
+    return found
+
+
 def _names_of_space(space: Any, prefix: str) -> list[str]:
     spaces = getattr(space, "spaces", None)
     if isinstance(spaces, Mapping):

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from coppice.errors import CoppiceError
-from coppice.spaces import flat
+from coppice.spaces import flat, named
 
 MAX_NODES = 4096
 MAX_DEPTH = 64  # edges from the root
@@ -69,7 +69,8 @@ class Tree:
 
     def __call__(self, observation: Any) -> str | None:
         """The action's name, or None where the tree does not act. observation: a mapping from feature names to values, or,
-        where the file names the features, their values in order."""
+        where the file names the features, their values in order; what an environment with a Dict or Tuple space gives
+        will do too."""
         return self._act(self._mapping(observation))
 
     def index(self, observation: Any) -> int | None:
@@ -90,12 +91,17 @@ class Tree:
 
     def _mapping(self, observation: Any) -> Mapping[str, float]:
         if isinstance(observation, Mapping):
-            return observation
+            if not self.features or all(name in observation for name in self.features):
+                return observation
+            laid_flat = named(observation)  # as an environment with a Dict space gives it
+            if any(name in laid_flat for name in self.features) or len(laid_flat) != len(self.features):
+                return laid_flat
         values = flat(observation)
         if len(values) != len(self.features):
             raise CoppiceError(
                 f"an observation of {len(values)} numbers: expected a mapping from names, or the values of "
-                f"{', '.join(self.features) or 'named features (load the tree as JSON)'}"
+                f"{', '.join(self.features) or 'named features (load the tree as JSON)'}; "
+                "coppice.problem_of(env).decode(observation) gives them for any environment"
             )
         return dict(zip(self.features, values))
 
