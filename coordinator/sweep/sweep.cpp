@@ -120,10 +120,9 @@ class Sweep {
     result.coverage = static_cast<double>(matching_states(chain_, actions_of(chain_, result.tree))) /
                       static_cast<double>(chain_.states());
     if (world_ != nullptr) {
-      const auto episodes =
-          simulate_tree(*world_, chain_, result.tree,
-                        {.episodes = settings_.episodes, .steps = settings_.steps, .stop = &stop_},
-                        [&] { return !stop_.raised() && !ended(); });
+      const auto episodes = simulate_tree(*world_, chain_, result.tree,
+                                          {.episodes = settings_.episodes, .steps = settings_.steps, .stop = &stop_},
+                                          [&] { return !stop_.raised() && !ended(); });
       if (!episodes) {
         return tl::unexpected(episodes.error());
       }
