@@ -1,10 +1,13 @@
 #include "common/evolution/breeding.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
+#include <memory_resource>
 #include <vector>
 
 #include "common/check.hpp"
-#include "common/evolution/tree_draft.hpp"
+#include "common/evolution/flat_draft.hpp"
 #include "common/tree/guard.hpp"
 #include "common/tree/tree_size.hpp"
 
@@ -23,19 +26,31 @@ struct Place {
   bool acts = false;           // so does something in its subtree
 };
 
-std::vector<Place> places_of(const Tree& tree) {
-  std::vector<Place> places(tree.size());
-  std::vector<std::size_t> ancestors;
+// Memory for the lists of one operator: of most trees they fit on the stack.
+class Scratch {
+ public:
+  std::pmr::memory_resource* memory() { return &memory_; }
+
+ private:
+  std::array<std::byte, 8192> room_;
+  std::pmr::monotonic_buffer_resource memory_{room_.data(), room_.size()};
+};
+
+std::pmr::vector<Place> places_of(const Tree& tree, Scratch& scratch) {
+  std::pmr::vector<Place> places(tree.size(), scratch.memory());
+  std::array<std::size_t, kMaxTreeDepth + 1> around;  // the node itself and those that it is part of
+  std::size_t depth = 0;
   for (std::size_t i = 0; i < tree.size(); ++i) {
-    while (!ancestors.empty() && ancestors.back() + tree[ancestors.back()].extent <= i) {
-      ancestors.pop_back();
+    while (depth > 0 && around[depth - 1] + tree[around[depth - 1]].extent <= i) {
+      --depth;
     }
-    places[i].depth = ancestors.size();
-    ancestors.push_back(i);
-    for (const std::size_t ancestor : ancestors) {
-      places[ancestor].height = std::max(places[ancestor].height, places[i].depth - places[ancestor].depth);
-      places[ancestor].conditions += tree[i].kind == NodeKind::condition ? 1 : 0;
-      places[ancestor].acts = places[ancestor].acts || tree[i].kind == NodeKind::action;
+    places[i].depth = depth;
+    around[depth++] = i;
+    for (std::size_t a = 0; a < depth; ++a) {
+      Place& place = places[around[a]];
+      place.height = std::max(place.height, depth - 1 - a);
+      place.conditions += tree[i].kind == NodeKind::condition ? 1 : 0;
+      place.acts = place.acts || tree[i].kind == NodeKind::action;
     }
   }
   return places;
@@ -61,20 +76,18 @@ Tree Breeding::trimmed(Stream& stream, Tree tree) const {
   if (conditions <= shape_.max_conditions) {
     return tree;
   }
-  TreeDraft draft = TreeDraft::of(tree.nodes());
+  FlatDraft draft(tree.nodes());
   for (std::size_t more = conditions - shape_.max_conditions; more > 0; --more) {
-    std::vector<TreeDraft::Place> places = draft.places();
-    places.erase(
-        std::remove_if(places.begin(), places.end(),
-                       [](const TreeDraft::Place& place) { return place.draft->node.kind != NodeKind::condition; }),
-        places.end());
-    const TreeDraft::Place place = places[stream.below(places.size())];
-    if (place.parent == nullptr) {
-      return Tree(random_action(vocabulary_, draws_of(stream)).action());
+    std::uint64_t chosen = stream.below(condition_count(draft.nodes()));
+    std::size_t place = 0;
+    while (draft[place].kind != NodeKind::condition || chosen-- > 0) {
+      ++place;
     }
-    place.parent->remove(place.index());
-    draft.tidy();
-    if (draft.node.is_composite() && draft.children.empty()) {  // nothing was there but conditions
+    if (place > 0) {
+      draft.remove(place);
+      draft.tidy();
+    }
+    if (place == 0 || (draft.size() == 1 && draft[0].is_composite())) {  // nothing was there but conditions
       return Tree(random_action(vocabulary_, draws_of(stream)).action());
     }
   }
@@ -84,14 +97,16 @@ Tree Breeding::trimmed(Stream& stream, Tree tree) const {
   return within_limits(*smaller) ? *std::move(smaller) : Tree(random_action(vocabulary_, draws_of(stream)).action());
 }
 
-std::pair<Tree, Tree> Breeding::crossover(Stream& stream, const Tree& a, const Tree& b) const {
-  const std::vector<Place> in_a = places_of(a);
-  const std::vector<Place> in_b = places_of(b);
+std::optional<Breeding::Cuts> Breeding::draw_cuts(Stream& stream, const Tree& a, const Tree& b) const {
+  Scratch scratch;
+  const auto in_a = places_of(a, scratch);
+  const auto in_b = places_of(b, scratch);
   const std::size_t cut = stream.below(a.size());
   const std::size_t cut_nodes = a[cut].extent;
   // A swap of nodes keeps the number of children, so depth and size decide. Depth always leaves some node: on the way
   // from b's root to its deepest leaf there is one deep enough and high enough.
-  std::vector<std::size_t> partners;
+  std::pmr::vector<std::size_t> partners(scratch.memory());
+  partners.reserve(b.size());
   for (std::size_t i = 0; i < b.size(); ++i) {
     const std::size_t nodes = b[i].extent;
     if (in_a[cut].depth + in_b[i].height <= shape_.max_depth && in_b[i].depth + in_a[cut].height <= shape_.max_depth &&
@@ -102,11 +117,24 @@ std::pair<Tree, Tree> Breeding::crossover(Stream& stream, const Tree& a, const T
       partners.push_back(i);
     }
   }
-  if (partners.empty()) {  // only near the largest number of nodes: swap the roots
+  if (partners.empty()) {
+    return std::nullopt;
+  }
+  return Cuts{cut, partners[stream.below(partners.size())]};
+}
+
+std::pair<Tree, Tree> Breeding::crossover(Stream& stream, const Tree& a, const Tree& b) const {
+  const auto cuts = draw_cuts(stream, a, b);
+  if (!cuts) {  // only near the largest number of nodes: swap the roots
     return {b, a};
   }
-  const std::size_t partner = partners[stream.below(partners.size())];
-  return {checked(a.with_subtree(cut, b.subtree(partner))), checked(b.with_subtree(partner, a.subtree(cut)))};
+  return {checked(a.with_subtree(cuts->in_a, b.subtree(cuts->in_b))),
+          checked(b.with_subtree(cuts->in_b, a.subtree(cuts->in_a)))};
+}
+
+Tree Breeding::crossover_one(Stream& stream, const Tree& a, const Tree& b) const {
+  const auto cuts = draw_cuts(stream, a, b);
+  return cuts ? checked(a.with_subtree(cuts->in_a, b.subtree(cuts->in_b))) : b;
 }
 
 Tree Breeding::mutate_leaf(Stream& stream, const Tree& tree) const {

@@ -4,6 +4,7 @@
 // belongs to its caller, so one Breeding serves any number of threads.
 #pragma once
 
+#include <optional>
 #include <utility>
 
 #include "common/chain/random.hpp"
@@ -25,6 +26,8 @@ class Breeding {
   // Swaps a subtree of `a` for one of `b`: a uniform node of `a`, and a uniform one among those nodes of `b` that leave
   // both children within the limits. REQUIRES: a and b within the limits.
   std::pair<Tree, Tree> crossover(Stream& stream, const Tree& a, const Tree& b) const;
+  // The first of those two, with the same draws.
+  Tree crossover_one(Stream& stream, const Tree& a, const Tree& b) const;
 
   // Micro mutation: a uniform leaf gets new parameters.
   Tree mutate_leaf(Stream& stream, const Tree& tree) const;
@@ -48,6 +51,12 @@ class Breeding {
   bool within_limits(const Tree& tree) const;
 
  private:
+  struct Cuts {
+    std::size_t in_a = 0;
+    std::size_t in_b = 0;
+  };
+  // None: no node of b leaves both children within the limits.
+  std::optional<Cuts> draw_cuts(Stream& stream, const Tree& a, const Tree& b) const;
   Tree checked(Tree tree) const;
   // Without so many conditions, drawn uniformly, that the limit holds.
   Tree trimmed(Stream& stream, Tree tree) const;

@@ -36,7 +36,8 @@ class DemeSearch {
   virtual void take_up(std::uint32_t number, Deme deme) = 0;
   // Takes in whom another deme sent. REQUIRES: as for the deme; fewer than the deme has beside its elites.
   virtual void admit(const std::vector<Individual>& migrants) = 0;
-  // The trees of the generation that comes next. REQUIRES: settle() has had those of the generation before.
+  // The trees of the generation that comes next; deme() stays as it was. REQUIRES: settle() has had those of the
+  // generation before.
   virtual std::vector<Tree> breed() = 0;
   // Selects among those before and these. The record has no `seconds`. REQUIRES: the trees that breed() gave, and one
   // tally for each.

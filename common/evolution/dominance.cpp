@@ -4,6 +4,7 @@
 #include <bit>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "common/check.hpp"
 
@@ -32,8 +33,10 @@ struct Keyed {
 };
 
 // The points by each cost, the smallest first; ties: the lower index. [costs][points]
-std::vector<std::vector<Keyed>> orders_of(const Costs& costs) {
-  std::vector<std::vector<Keyed>> orders(costs.costs);
+using Orders = std::vector<std::vector<Keyed>>;
+
+Orders orders_of(const Costs& costs) {
+  Orders orders(costs.costs);
   for (std::size_t cost = 0; cost < costs.costs; ++cost) {
     std::vector<Keyed>& order = orders[cost];
     order.reserve(costs.points());
@@ -49,8 +52,7 @@ std::vector<std::vector<Keyed>> orders_of(const Costs& costs) {
 
 // Which points are at least as good in everything, itself among them, as one bit each: for every cost, those that come
 // no later in its order. [points x words]
-std::vector<std::uint64_t> as_good_as(const std::vector<std::vector<Keyed>>& orders, std::size_t points,
-                                      std::size_t words) {
+std::vector<std::uint64_t> as_good_as(const Orders& orders, std::size_t points, std::size_t words) {
   std::vector<std::uint64_t> sets(points * words, ~std::uint64_t{0});
   std::vector<std::uint64_t> so_far(words);
   for (const std::vector<Keyed>& order : orders) {
@@ -73,7 +75,7 @@ std::vector<std::uint64_t> as_good_as(const std::vector<std::vector<Keyed>>& ord
 
 // A point's set holds that of whoever dominates it, and itself besides: by the size of their sets, all who dominate a
 // point come before it, and those of its own size do not dominate it.
-std::vector<std::uint32_t> ranks_by_sets(const std::vector<std::vector<Keyed>>& orders, std::size_t points) {
+std::vector<std::uint32_t> ranks_by_sets(const Orders& orders, std::size_t points) {
   const std::size_t words = (points + kBits - 1) / kBits;
   const std::vector<std::uint64_t> sets = as_good_as(orders, points, words);
   struct Sized {
@@ -147,7 +149,7 @@ std::vector<std::uint32_t> ranks_one_by_one(const Costs& costs) {
   return ranks;
 }
 
-std::vector<double> crowding_by(const std::vector<std::vector<Keyed>>& orders, std::span<const std::uint32_t> ranks) {
+std::vector<double> crowding_by(const Orders& orders, std::span<const std::uint32_t> ranks) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::vector<double> crowding(ranks.size(), 0.0);
   std::vector<std::size_t> first;  // of each rank among points by rank
@@ -181,45 +183,81 @@ std::vector<double> crowding_by(const std::vector<std::vector<Keyed>>& orders, s
 
 }  // namespace
 
-std::vector<std::uint32_t> ranks_of(const Costs& costs) {
-  return costs.points() > kMostInSets ? ranks_one_by_one(costs) : ranks_by_sets(orders_of(costs), costs.points());
-}
+std::vector<std::uint32_t> ranks_of(const Costs& costs) { return standing_of(costs).ranks; }
 
 std::vector<double> crowding_of(const Costs& costs, std::span<const std::uint32_t> ranks) {
   COPPICE_CHECK(ranks.size() == costs.points());
   return crowding_by(orders_of(costs), ranks);
 }
 
+namespace {
+
+std::vector<std::uint32_t> ranks_by(const Orders& orders, const Costs& costs) {
+  return costs.points() > kMostInSets ? ranks_one_by_one(costs) : ranks_by_sets(orders, costs.points());
+}
+
+// The orders of the kept points alone, renumbered. REQUIRES: ascending.
+void keep_in(Orders& orders, std::span<const std::size_t> kept, std::size_t points) {
+  constexpr std::uint32_t kGone = ~std::uint32_t{0};
+  std::vector<std::uint32_t> renumbered(points, kGone);
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    renumbered[kept[i]] = static_cast<std::uint32_t>(i);
+  }
+  for (std::vector<Keyed>& order : orders) {
+    std::size_t end = 0;
+    for (const Keyed& keyed : order) {
+      if (renumbered[keyed.point] != kGone) {
+        order[end++] = {keyed.value, renumbered[keyed.point]};
+      }
+    }
+    order.resize(end);
+  }
+}
+
+Survivors survivors_by(Orders orders, std::vector<std::uint32_t> ranks, std::size_t count) {
+  const std::vector<double> crowding = crowding_by(orders, ranks);
+  Survivors result;
+  std::vector<std::size_t>& kept = result.points;
+  kept.resize(ranks.size());
+  std::iota(kept.begin(), kept.end(), std::size_t{0});
+  std::nth_element(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(count), kept.end(),
+                   [&](std::size_t a, std::size_t b) {
+                     return ranks[a] != ranks[b]         ? ranks[a] < ranks[b]
+                            : crowding[a] != crowding[b] ? crowding[a] > crowding[b]
+                                                         : a < b;
+                   });
+  kept.resize(count);
+  std::sort(kept.begin(), kept.end());
+  // Whoever is of a lower rank than a survivor is one, too: the ranks are the same without the others.
+  keep_in(orders, kept, ranks.size());
+  result.standing.ranks.reserve(count);
+  for (const std::size_t point : kept) {
+    result.standing.ranks.push_back(ranks[point]);
+  }
+  result.standing.crowding = crowding_by(orders, result.standing.ranks);
+  return result;
+}
+
+}  // namespace
+
 Standing standing_of(const Costs& costs) {
-  const auto orders = orders_of(costs);
+  const Orders orders = orders_of(costs);
   Standing standing;
-  standing.ranks = costs.points() > kMostInSets ? ranks_one_by_one(costs) : ranks_by_sets(orders, costs.points());
+  standing.ranks = ranks_by(orders, costs);
   standing.crowding = crowding_by(orders, standing.ranks);
   return standing;
 }
 
-std::vector<std::size_t> survivors(const Costs& costs, std::size_t count) {
+Survivors survivors_of(const Costs& costs, std::size_t count) {
   COPPICE_CHECK(count <= costs.points());
-  const Standing standing = standing_of(costs);
-  struct Placed {
-    std::uint32_t rank = 0;
-    double crowding = 0.0;
-    std::size_t point = 0;
-  };
-  std::vector<Placed> order;
-  order.reserve(costs.points());
-  for (std::size_t point = 0; point < costs.points(); ++point) {
-    order.push_back({standing.ranks[point], standing.crowding[point], point});
-  }
-  std::sort(order.begin(), order.end(), [](const Placed& a, const Placed& b) {
-    return a.rank != b.rank ? a.rank < b.rank : a.crowding != b.crowding ? a.crowding > b.crowding : a.point < b.point;
-  });
-  std::vector<std::size_t> kept;
-  kept.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    kept.push_back(order[i].point);
-  }
-  return kept;
+  Orders orders = orders_of(costs);
+  std::vector<std::uint32_t> ranks = ranks_by(orders, costs);
+  return survivors_by(std::move(orders), std::move(ranks), count);
+}
+
+Survivors survivors_of_front(const Costs& costs, std::size_t count) {
+  COPPICE_CHECK(count <= costs.points());
+  return survivors_by(orders_of(costs), std::vector<std::uint32_t>(costs.points(), 0), count);
 }
 
 }  // namespace coppice

@@ -40,8 +40,14 @@ struct Standing {
 };
 Standing standing_of(const Costs& costs);
 
-// The `count` best points by rank, then by larger crowding distance, then by lower index; in that order.
-// REQUIRES: count <= points.
-std::vector<std::size_t> survivors(const Costs& costs, std::size_t count);
+// The `count` best points by rank, then by larger crowding distance, then by lower index.
+struct Survivors {
+  std::vector<std::size_t> points;  // [count], ascending
+  Standing standing;                // of those points among themselves. [count]
+};
+// REQUIRES (both): count <= points.
+Survivors survivors_of(const Costs& costs, std::size_t count);
+// The same, for less, where no point dominates another.
+Survivors survivors_of_front(const Costs& costs, std::size_t count);
 
 }  // namespace coppice

@@ -1,9 +1,11 @@
 #include "common/evolution/front_individual.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
-#include "common/evolution/dominance.hpp"
+#include "common/check.hpp"
+#include "common/evolution/measure.hpp"
 
 namespace coppice {
 
@@ -16,44 +18,55 @@ std::vector<double> costs_of(const std::vector<FrontIndividual>& individuals) {
   return costs;
 }
 
-void keep_best(std::vector<FrontIndividual>& individuals, std::size_t costs, std::size_t count) {
-  const std::vector<double> values = costs_of(individuals);
-  std::vector<std::size_t> kept = survivors({values, costs}, count);
-  std::sort(kept.begin(), kept.end());
-  std::vector<FrontIndividual> next;
-  next.reserve(count);
-  for (const std::size_t i : kept) {
-    next.push_back(std::move(individuals[i]));
+namespace {
+
+// REQUIRES: ascending.
+void keep_only(std::vector<FrontIndividual>& individuals, std::span<const std::size_t> kept) {
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    if (kept[i] != i) {
+      individuals[i] = std::move(individuals[kept[i]]);
+    }
   }
-  individuals = std::move(next);
+  individuals.resize(kept.size());
 }
 
-std::vector<double> random_weights(Stream& stream, std::size_t count) {
+}  // namespace
+
+Standing keep_best(std::vector<FrontIndividual>& individuals, std::size_t costs, std::size_t count) {
+  const std::vector<double> values = costs_of(individuals);
+  Survivors survivors = survivors_of({values, costs}, count);
+  keep_only(individuals, survivors.points);
+  return std::move(survivors.standing);
+}
+
+void draw_weights(Stream& stream, std::span<double> weights) {
   constexpr std::uint64_t kParts = 1U << 20U;
-  std::vector<double> cuts = {0.0, 1.0};
-  for (std::size_t i = 1; i < count; ++i) {
-    cuts.push_back(static_cast<double>(stream.below(kParts)) / static_cast<double>(kParts));
+  COPPICE_CHECK(!weights.empty() && weights.size() <= kMeasures);
+  std::array<double, kMeasures + 1> cuts;
+  cuts[0] = 0.0;
+  for (std::size_t i = 1; i < weights.size(); ++i) {
+    cuts[i] = static_cast<double>(stream.below(kParts)) / static_cast<double>(kParts);
   }
-  std::sort(cuts.begin(), cuts.end());
-  std::vector<double> weights(count);
-  for (std::size_t i = 0; i < count; ++i) {
+  std::sort(cuts.begin(), cuts.begin() + std::ssize(weights));
+  cuts[weights.size()] = 1.0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
     weights[i] = cuts[i + 1] - cuts[i];
   }
-  return weights;
 }
 
-ParentPool::ParentPool(const std::vector<FrontIndividual>& individuals, std::size_t costs) : individuals_(individuals) {
-  const std::vector<double> values = costs_of(individuals);
-  const Costs all{values, costs};
-  Standing standing = standing_of(all);
-  ranks_ = std::move(standing.ranks);
-  crowding_ = std::move(standing.crowding);
-  low_.assign(costs, std::numeric_limits<double>::max());
-  high_.assign(costs, std::numeric_limits<double>::lowest());
+ParentPool::ParentPool(const std::vector<FrontIndividual>& individuals, std::size_t costs, const Standing* standing)
+    : individuals_(individuals),
+      standing_(standing),
+      values_(costs_of(individuals)),
+      low_(costs, std::numeric_limits<double>::max()),
+      high_(costs, std::numeric_limits<double>::lowest()) {
   for (std::size_t i = 0; i < individuals.size(); ++i) {
-    for (std::size_t c = 0; c < costs && ranks_[i] == 0; ++c) {
-      low_[c] = std::min(low_[c], all.of(i)[c]);
-      high_[c] = std::max(high_[c], all.of(i)[c]);
+    if (standing_ != nullptr && standing_->ranks[i] != 0) {
+      continue;
+    }
+    for (std::size_t c = 0; c < costs; ++c) {
+      low_[c] = std::min(low_[c], values_[i * costs + c]);
+      high_[c] = std::max(high_[c], values_[i * costs + c]);
     }
   }
 }
@@ -61,7 +74,8 @@ ParentPool::ParentPool(const std::vector<FrontIndividual>& individuals, std::siz
 const FrontIndividual& ParentPool::by_crowding(Stream& stream) const {
   const std::size_t a = stream.below(individuals_.size());
   const std::size_t b = stream.below(individuals_.size());
-  const bool second = ranks_[b] != ranks_[a] ? ranks_[b] < ranks_[a] : crowding_[b] > crowding_[a];
+  const std::vector<std::uint32_t>& ranks = standing_->ranks;
+  const bool second = ranks[b] != ranks[a] ? ranks[b] < ranks[a] : standing_->crowding[b] > standing_->crowding[a];
   return individuals_[second ? b : a];
 }
 
@@ -88,10 +102,11 @@ std::vector<double> ParentPool::by_range(std::span<const double> weights) const 
 }
 
 double ParentPool::weighted(std::size_t i, std::span<const double> weights) const {
+  const double* const costs = values_.data() + i * weights.size();
   double sum = 0.0;
   for (std::size_t c = 0; c < weights.size(); ++c) {
     const double range = high_[c] - low_[c];
-    sum += range > 0.0 ? weights[c] * (individuals_[i].costs[c] - low_[c]) / range : 0.0;
+    sum += range > 0.0 ? weights[c] * (costs[c] - low_[c]) / range : 0.0;
   }
   return sum;
 }
@@ -155,9 +170,9 @@ void FrontArchive::offer(const FrontIndividual& candidate, std::size_t max_nodes
 
 void FrontArchive::thin(std::size_t costs, std::size_t count) {
   if (members_.size() > count) {
-    std::vector<FrontIndividual> members = std::move(members_);
-    keep_best(members, costs, count);
-    assign(std::move(members));
+    keep_only(members_, survivors_of_front({values_, costs}, count).points);
+    values_ = costs_of(members_);
+    latest_ = 0;
   }
 }
 

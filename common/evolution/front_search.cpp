@@ -1,10 +1,13 @@
 #include "common/evolution/front_search.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <iterator>
 #include <numeric>
-#include <unordered_map>
+#include <optional>
 #include <unordered_set>
+#include <utility>
 
 #include "common/check.hpp"
 #include "common/evolution/breeding.hpp"
@@ -25,22 +28,54 @@ constexpr double kWeighted = 0.5;  // probability that a parent is chosen by wei
 constexpr double kAround = 0.5;    // probability that a climb begins towards random weights
 constexpr double kPairs = 0.25;    // probability that a climb tries two edits at a time
 
-// The smallest tree of each meaning that there is.
+// The smallest tree of each meaning that there is: a hash table without a node for each entry, since one is made for
+// every generation.
 class Known {
  public:
-  explicit Known(std::size_t most) { smallest_.reserve(most); }
+  // For so many meanings; more are taken in as well.
+  explicit Known(std::size_t usual) : entries_(std::bit_ceil(2 * usual + 2)) {}
+
   // False: a tree that means the same and is no larger is there.
   bool add(const Meaning& meaning, std::size_t nodes) {
-    const auto [found, added] = smallest_.emplace(meaning, nodes);
-    if (!added && found->second <= nodes) {
+    if (2 * (size_ + 1) > entries_.size()) {
+      grow();
+    }
+    Entry& entry = place_of(meaning);
+    if (entry.nodes == 0) {
+      ++size_;
+    } else if (entry.nodes <= nodes) {
       return false;
     }
-    found->second = nodes;
+    entry = {meaning, nodes};
     return true;
   }
 
  private:
-  std::unordered_map<Meaning, std::size_t, MeaningHash> smallest_;
+  struct Entry {
+    Meaning meaning;
+    std::size_t nodes = 0;  // 0: nobody's
+  };
+
+  Entry& place_of(const Meaning& meaning) {
+    const std::size_t mask = entries_.size() - 1;
+    std::size_t at = MeaningHash()(meaning) & mask;
+    while (entries_[at].nodes != 0 && entries_[at].meaning != meaning) {
+      at = (at + 1) & mask;
+    }
+    return entries_[at];
+  }
+
+  void grow() {
+    const std::vector<Entry> before = std::exchange(entries_, std::vector<Entry>(2 * entries_.size()));
+    for (const Entry& entry : before) {
+      if (entry.nodes != 0) {
+        place_of(entry.meaning) = entry;
+      }
+    }
+  }
+
+  std::vector<Entry> entries_;  // [a power of two], at most half of them somebody's
+  std::size_t size_ = 0;
 };
 
 class FrontSearch : public DemeSearch {
@@ -61,6 +96,7 @@ class FrontSearch : public DemeSearch {
     individuals_ = share_of(config_.ga, number).size;
     generations_ = deme.generations;
     population_ = measured(std::move(deme.population));
+    standing_.reset();
     archive_.assign(measured(std::move(deme.archive)));
   }
 
@@ -74,6 +110,7 @@ class FrontSearch : public DemeSearch {
     for (const Individual& migrant : migrants) {
       population_.push_back(measured(migrant));
       keep(population_.back());
+      standing_.reset();
     }
   }
 
@@ -82,6 +119,10 @@ class FrontSearch : public DemeSearch {
     const std::uint32_t generation = generations_++;
     const std::size_t evaluations = trees.size();
     const std::vector<Meaning> meanings = std::exchange(bred_, {});
+    if (begins_anew(generation)) {
+      population_.clear();
+    }
+    standing_.reset();
     population_.reserve(population_.size() + trees.size());
     for (std::size_t i = 0; i < trees.size(); ++i) {
       population_.push_back(gauge_.of({std::move(trees[i]), std::move(tallies[i])}));
@@ -146,7 +187,6 @@ class FrontSearch : public DemeSearch {
 
   // A first population; the last one has all that was kept.
   std::vector<Tree> begin_anew(std::uint32_t generation) {
-    population_.clear();
     std::vector<Tree> trees = first_population(breeding_, config_, chain_, generation, number_);
     const std::vector<FrontIndividual>& kept = archive_.members();
     for (std::size_t i = 0; i < std::min(kept.size(), trees.size()) && in_last_part(generation); ++i) {
@@ -158,7 +198,7 @@ class FrontSearch : public DemeSearch {
   std::vector<Tree> breed(std::uint32_t generation) {
     const GaConfig& ga = config_.ga;
     Stream stream(config_.seed, Purpose::breeding, generation, number_);
-    Known known(population_.size() + archive_.members().size() + kMaxBirths * individuals_);
+    Known known(population_.size() + archive_.members().size() + 2 * individuals_);
     for (const FrontIndividual& individual : population_) {
       known.add(individual.meaning, individual.tree.size());
     }
@@ -167,16 +207,23 @@ class FrontSearch : public DemeSearch {
         known.add(member.meaning, member.tree.size());
       }
     }
-    const ParentPool population(population_, costs());
-    const bool from_front = in_last_part(generation) && !archive_.members().empty();
-    const ParentPool archive(from_front ? archive_.members() : population_, costs());
+    if (!standing_) {
+      const std::vector<double> values = costs_of(population_);
+      standing_ = standing_of({values, costs()});
+    }
+    const ParentPool population(population_, costs(), &*standing_);
+    std::optional<ParentPool> archive;
+    if (in_last_part(generation) && !archive_.members().empty()) {
+      archive.emplace(archive_.members(), costs(), nullptr);
+    }
+    const Parents parents{population, archive ? *archive : population};
     std::vector<Tree> children;
     children.reserve(individuals_);
     while (children.size() < individuals_) {
       Tree child{ActionId{0}};
       Meaning meaning;
       for (int birth = 0; birth < kMaxBirths; ++birth) {
-        child = make_child(stream, population, archive);
+        child = make_child(stream, parents);
         if (ga.simplify == Simplification::lossless) {
           child = breeding_.simplified(child);
         }
@@ -200,7 +247,8 @@ class FrontSearch : public DemeSearch {
     GuidedClimb::Effort effort{.steps = config_.ga.guided_steps, .pairs = false};
     Tree climbed = child;
     if (stream.chance(kAround)) {
-      const std::vector<double> weights = random_weights(stream, costs());
+      std::vector<double> weights(costs());
+      draw_weights(stream, weights);
       climbed = guide_->climb(climbed, gauge_.worth(population.by_range(weights)), edit_limits(), effort);
     }
     std::vector<double> first(costs(), 0.0);
@@ -223,22 +271,31 @@ class FrontSearch : public DemeSearch {
             .guarded = shape.guarded};
   }
 
-  Tree make_child(Stream& stream, const ParentPool& population, const ParentPool& archive) const {
+  // Where parents come from.
+  struct Parents {
+    const ParentPool& population;
+    const ParentPool& to_climb_from;
+  };
+
+  Tree make_child(Stream& stream, const Parents& parents) const {
     const GaConfig& ga = config_.ga;
-    const std::vector<double> weights = random_weights(stream, costs());
+    std::array<double, kMeasures> drawn;
+    const std::span<double> weights = std::span(drawn).first(costs());
+    draw_weights(stream, weights);
     const std::size_t size = tournament_size(ga, number_);
     if (stream.chance(ga.local_search)) {
-      return breeding_.edit(stream, archive.by_weights(stream, weights, size).tree);
+      return breeding_.edit(stream, parents.to_climb_from.by_weights(stream, weights, size).tree);
     }
     const auto parent = [&]() -> const Tree& {
-      return (stream.chance(kWeighted) ? population.by_weights(stream, weights, size) : population.by_crowding(stream))
+      return (stream.chance(kWeighted) ? parents.population.by_weights(stream, weights, size)
+                                       : parents.population.by_crowding(stream))
           .tree;
     };
     const Tree& mother = parent();
     if (!stream.chance(ga.crossover)) {
       return mutated(stream, breeding_, ga, mother);
     }
-    Tree child = breeding_.crossover(stream, mother, parent()).first;
+    Tree child = breeding_.crossover_one(stream, mother, parent());
     return stream.chance(ga.mutation) ? mutated(stream, breeding_, ga, child) : child;
   }
 
@@ -276,7 +333,7 @@ class FrontSearch : public DemeSearch {
         [&](const FrontIndividual& individual) { return known.add(individual.meaning, individual.tree.size()); });
     const auto unlike = static_cast<std::size_t>(first_repeated - population_.begin());
     population_.resize(std::max(unlike, individuals_));
-    keep_best(population_, costs(), individuals_);
+    standing_ = keep_best(population_, costs(), individuals_);
   }
 
   const Chain& chain_;
@@ -286,7 +343,8 @@ class FrontSearch : public DemeSearch {
   Breeding breeding_;
   Meanings meanings_;
   std::vector<FrontIndividual> population_;
-  std::vector<Meaning> bred_;  // of the trees that breed() gave, if it had to know them
+  std::optional<Standing> standing_;  // of the population, while it is known
+  std::vector<Meaning> bred_;         // of the trees that breed() gave, if it had to know them
   FrontArchive archive_;
   std::uint32_t number_ = 0;
   std::size_t individuals_;  // of the deme

@@ -1,6 +1,7 @@
 #include "common/fitness/evaluation.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "common/tree/action_table.hpp"
 
@@ -167,25 +168,61 @@ void Evaluation::flag_terminals(PackedRow* rows) const {
   }
 }
 
+namespace {
+
+// One tree's path through a pass: [steps] lines of `stride` states, of which the first `lanes` are its own.
+struct Path {
+  const std::uint32_t* states;
+  std::uint32_t steps;
+  std::uint32_t stride;
+  std::uint32_t lanes;
+};
+
+// The sums of kTables score tables [states x row] over a path. What a step looks up is found once for all of them.
+template <std::size_t kTables>
+void add_scores(const Path& path, const std::uint8_t* actions, std::size_t row, const std::int64_t* const* tables,
+                std::int64_t* sums) {
+  std::array<const std::int64_t*, kTables> table;
+  std::copy_n(tables, kTables, table.begin());
+  std::array<std::int64_t, kTables> sum{};
+  const std::uint32_t* line = path.states;
+  for (std::uint32_t step = 0; step < path.steps; ++step, line += path.stride) {
+    for (std::uint32_t lane = 0; lane < path.lanes; ++lane) {
+      const std::size_t at = line[lane] * row + actions[line[lane]];
+      for (std::size_t t = 0; t < kTables; ++t) {
+        sum[t] += table[t][at];
+      }
+    }
+  }
+  std::copy_n(sum.begin(), kTables, sums);
+}
+
+}  // namespace
+
 void Evaluation::score_path(std::uint32_t pass) {
-  const std::size_t stride = job_->chain().chain().actions() + 1;
+  const std::size_t row = job_->chain().chain().actions() + 1;
   const std::uint32_t lanes_per_tree = job_->lanes_used(pass, 1);
+  std::array<const std::int64_t*, kMaxObjectives> tables;
+  std::array<std::size_t, kMaxObjectives> objectives;
+  std::size_t count = 0;
   for (std::size_t i = 0; i < job_->job().objectives.size(); ++i) {
     const ObjectiveKind kind = job_->job().objectives[i].kind;
-    if (!along_walk(kind) || kind == ObjectiveKind::agreement) {
-      continue;
+    if (along_walk(kind) && kind != ObjectiveKind::agreement) {
+      tables[count] = job_->tables()[i].scores.data();
+      objectives[count++] = i;
     }
-    const std::int64_t* scores = job_->tables()[i].scores.data();
-    for (std::size_t tree = 0; tree < waiting_.size(); ++tree) {
-      const std::uint8_t* actions = actions_of(tree).data();
-      const std::uint32_t* line = path_.data() + tree * lanes_per_tree;
-      std::int64_t sum = 0;
-      for (std::uint32_t step = 0; step < job_->job().steps; ++step, line += job_->lanes()) {
-        for (std::uint32_t lane = 0; lane < lanes_per_tree; ++lane) {
-          sum += scores[line[lane] * stride + actions[line[lane]]];
-        }
+  }
+  using Add = void (*)(const Path&, const std::uint8_t*, std::size_t, const std::int64_t* const*, std::int64_t*);
+  constexpr std::array<Add, 4> kAdd = {add_scores<1>, add_scores<2>, add_scores<3>, add_scores<4>};
+  for (std::size_t tree = 0; tree < waiting_.size(); ++tree) {
+    const Path path{path_.data() + tree * lanes_per_tree, job_->job().steps, job_->lanes(), lanes_per_tree};
+    for (std::size_t first = 0; first < count; first += kAdd.size()) {
+      const std::size_t some = std::min(kAdd.size(), count - first);
+      std::array<std::int64_t, kAdd.size()> sums;
+      kAdd[some - 1](path, actions_of(tree).data(), row, tables.data() + first, sums.data());
+      for (std::size_t i = 0; i < some; ++i) {
+        tallies_[waiting_[tree]].scores[objectives[first + i]] += sums[i];
       }
-      tallies_[waiting_[tree]].scores[i] += sum;
     }
   }
 }

@@ -9,16 +9,17 @@
 namespace coppice {
 
 std::size_t depth_of_nodes(std::span<const Node> nodes) {
-  // Ends of the composites that are open at the current node; never longer than the depth limit allows.
-  std::vector<std::size_t> open;
+  std::array<std::size_t, kMaxTreeDepth + 1> open;  // ends of the composites around node i
+  std::size_t depth = 0;                            // how many they are
   std::size_t deepest = 0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    while (!open.empty() && open.back() <= i) {
-      open.pop_back();
+    while (depth > 0 && open[depth - 1] <= i) {
+      --depth;
     }
-    deepest = std::max(deepest, open.size());
+    deepest = std::max(deepest, depth);
     if (nodes[i].is_composite()) {
-      open.push_back(i + nodes[i].extent);
+      COPPICE_CHECK(depth < open.size());
+      open[depth++] = i + nodes[i].extent;
     }
   }
   return deepest;

@@ -47,15 +47,14 @@ class SlotwiseEvolver : public DemeEvolver {
 
 class DemeEvolution {
  public:
-  DemeEvolution(const Chain& chain, const EvolveConfig& config, FinalChoice choice, std::unique_ptr<DemeSearch> search,
-                Evaluator& evaluator, const EvolveHooks& hooks)
-      : chain_(chain),
-        config_(std::make_shared<const EvolveConfig>(config)),
-        choice_(std::move(choice)),
-        search_(std::move(search)),
-        evaluator_(evaluator),
-        hooks_(hooks),
-        slotwise_(*search_, evaluator) {}
+  explicit DemeEvolution(EvolutionParts parts)
+      : chain_(parts.chain),
+        config_(std::make_shared<const EvolveConfig>(parts.config)),
+        choice_(std::move(parts.choice)),
+        search_(std::move(parts.search)),
+        evaluator_(parts.evaluator),
+        hooks_(parts.hooks),
+        slotwise_(*search_, evaluator_) {}
 
   Result<Evolved> run(std::optional<Checkpoint> start) {
     std::optional<DemeGraph> graph;
@@ -73,7 +72,7 @@ class DemeEvolution {
     }
     const std::vector<Individual> archive = choice_.united_archive(demes_);
     const Reached reached{done_, hall_, archive};
-    auto tallies = evaluate(choice_.finalists(reached), choice_.job());
+    auto tallies = evaluate_some(evaluator_, choice_.finalists(reached), choice_.job());
     return tallies ? choice_.answer(reached, std::move(*tallies)) : best_so_far(tallies.error());
   }
 
@@ -122,35 +121,19 @@ class DemeEvolution {
     }
     demes_ = std::move(row.demes);
     done_ = demes_.front()->generations;
-    return hooks_.epoch_done ? hooks_.epoch_done(records, checkpoint()) : Result<void>();
+    return hooks_.generations_done ? hooks_.generations_done(records, checkpoint()) : Result<void>();
   }
 
-  // Measures everything anew: the samples are the same, so are the numbers.
   Result<DemeGraph> go_on_from(Checkpoint start) {
     const std::uint32_t epochs = start.generation / epoch_length(config_->ga) + 1;
-    if (auto ok = check_checkpoint(start, *config_, Breeding(chain_.vocabulary(), config_->ga.shape())); !ok) {
-      return tl::unexpected(ok.error());
-    }
-    const Job job = search_->job(start.generation);
-    auto population = evaluate(start.population, job);
-    if (!population) {
-      return tl::unexpected(population.error());
-    }
-    auto archive = evaluate(start.archive, job);
-    if (!archive) {
-      return tl::unexpected(archive.error());
+    auto demes = measured_again(start, *config_, Breeding(chain_.vocabulary(), config_->ga.shape()),
+                                search_->job(start.generation), evaluator_);
+    if (!demes) {
+      return tl::unexpected(demes.error());
     }
     std::vector<DemeGraph::Stood> stood;
-    std::size_t kept = 0;  // of the archive
     for (std::uint32_t number = 0; number < config_->ga.demes; ++number) {
-      Deme deme{.generations = start.generation + 1, .population = {}, .archive = {}};
-      const DemeShare share = share_of(config_->ga, number);
-      for (std::size_t slot = share.first; slot < share.first + share.size; ++slot) {
-        deme.population.push_back({std::move(start.population[slot]), std::move((*population)[slot])});
-      }
-      for (const std::size_t end = kept + start.kept[number]; kept < end; ++kept) {
-        deme.archive.push_back({std::move(start.archive[kept]), std::move((*archive)[kept])});
-      }
+      Deme& deme = (*demes)[number];
       search_->take_up(number, deme);
       stood.push_back({std::make_shared<const Deme>(std::move(deme)), search_->emigrants()});
       demes_.push_back(stood.back().deme);
@@ -158,10 +141,6 @@ class DemeEvolution {
     hall_ = std::move(start.hall_of_fame);
     done_ = start.generation + 1;
     return DemeGraph(*config_, epochs, std::move(stood));
-  }
-
-  Result<std::vector<Tally>> evaluate(std::span<const Tree> trees, const Job& job) {
-    return trees.empty() ? std::vector<Tally>() : evaluator_.evaluate(trees, job);
   }
 
   Checkpoint checkpoint() const {
@@ -232,17 +211,8 @@ GenerationRecord united(std::span<const GenerationRecord> of_demes, const GaConf
   return record;
 }
 
-Result<Evolved> evolve_demes(const Chain& chain, const EvolveConfig& config, Evaluator& evaluator,
-                             std::optional<Checkpoint> start, const EvolveHooks& hooks) {
-  auto choice = FinalChoice::make(chain, config);
-  if (!choice) {
-    return tl::unexpected(choice.error());
-  }
-  auto search = DemeSearch::make(chain, config);
-  if (!search) {
-    return tl::unexpected(search.error());
-  }
-  return DemeEvolution(chain, config, std::move(*choice), std::move(*search), evaluator, hooks).run(std::move(start));
+Result<Evolved> evolve_demes(EvolutionParts parts, std::optional<Checkpoint> start) {
+  return DemeEvolution(std::move(parts)).run(std::move(start));
 }
 
 }  // namespace coppice

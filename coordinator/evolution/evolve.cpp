@@ -4,6 +4,7 @@
 #include <chrono>
 #include <fmt/format.h>
 #include <numeric>
+#include <utility>
 
 #include "common/evolution/deme_search.hpp"
 #include "common/evolution/migration.hpp"
@@ -18,14 +19,13 @@ using Clock = std::chrono::steady_clock;
 
 class Evolution {
  public:
-  Evolution(const Chain& chain, const EvolveConfig& config, FinalChoice choice, std::unique_ptr<DemeSearch> search,
-            Evaluator& evaluator, const EvolveHooks& hooks)
-      : chain_(chain),
-        config_(config),
-        choice_(std::move(choice)),
-        search_(std::move(search)),
-        evaluator_(evaluator),
-        hooks_(hooks) {}
+  explicit Evolution(EvolutionParts parts)
+      : chain_(parts.chain),
+        config_(parts.config),
+        choice_(std::move(parts.choice)),
+        search_(std::move(parts.search)),
+        evaluator_(parts.evaluator),
+        hooks_(parts.hooks) {}
 
   Result<Evolved> run(std::optional<Checkpoint> start) {
     if (start) {
@@ -40,28 +40,19 @@ class Evolution {
     }
     const Deme deme = search_->deme();
     const Reached reached{done_, hall_, deme.archive};
-    auto tallies = evaluate(choice_.finalists(reached), choice_.job());
+    auto tallies = evaluate_some(evaluator_, choice_.finalists(reached), choice_.job());
     return tallies ? choice_.answer(reached, std::move(*tallies)) : best_so_far(tallies.error());
   }
 
  private:
-  // Measures everything anew: the samples are the same, so are the numbers.
   Result<void> go_on_from(Checkpoint start) {
-    if (auto ok = check_checkpoint(start, config_, Breeding(chain_.vocabulary(), config_.ga.shape())); !ok) {
-      return ok;
-    }
-    const Job job = search_->job(start.generation);
-    auto population = evaluate(start.population, job);
-    if (!population) {
-      return tl::unexpected(population.error());
-    }
-    auto archive = evaluate(start.archive, job);
-    if (!archive) {
-      return tl::unexpected(archive.error());
+    auto demes = measured_again(start, config_, Breeding(chain_.vocabulary(), config_.ga.shape()),
+                                search_->job(start.generation), evaluator_);
+    if (!demes) {
+      return tl::unexpected(demes.error());
     }
     done_ = start.generation + 1;
-    search_->take_up(0, {done_, individuals(std::move(start.population), std::move(*population)),
-                         individuals(std::move(start.archive), std::move(*archive))});
+    search_->take_up(0, std::move(demes->front()));
     hall_ = std::move(start.hall_of_fame);
     return {};
   }
@@ -69,8 +60,14 @@ class Evolution {
   Result<void> run_generation() {
     const Clock::time_point begin = Clock::now();
     std::vector<Tree> trees = search_->breed();
-    auto tallies = evaluate(trees, search_->job(done_));
+    auto tallies = evaluator_.evaluate(trees, search_->job(done_));
     if (!tallies) {
+      // What was done before is as good as ever, unless it rests on a lie.
+      if (tallies.error().kind != ErrorKind::revoked) {
+        if (auto told = tell(); !told) {
+          return told;
+        }
+      }
       return tl::unexpected(std::move(tallies).error());
     }
     GenerationRecord record = search_->settle(std::move(trees), std::move(*tallies));
@@ -78,19 +75,16 @@ class Evolution {
     enter(record.best, hall_);
     ++done_;
     record.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-    return hooks_.generation_done ? hooks_.generation_done(record, checkpoint()) : Result<void>();
+    untold_.push_back(std::move(record));
+    return done_ == config_.ga.generations || !hooks_.due || hooks_.due() ? tell() : Result<void>();
   }
 
-  Result<std::vector<Tally>> evaluate(std::span<const Tree> trees, const Job& job) {
-    return trees.empty() ? std::vector<Tally>() : evaluator_.evaluate(trees, job);
-  }
-
-  static std::vector<Individual> individuals(std::vector<Tree> trees, std::vector<Tally> tallies) {
-    std::vector<Individual> result;
-    for (std::size_t i = 0; i < trees.size(); ++i) {
-      result.push_back({std::move(trees[i]), std::move(tallies[i])});
+  Result<void> tell() {
+    if (untold_.empty() || !hooks_.generations_done) {
+      return {};
     }
-    return result;
+    const std::vector<GenerationRecord> told = std::exchange(untold_, {});
+    return hooks_.generations_done(told, checkpoint());
   }
 
   Checkpoint checkpoint() const {
@@ -122,10 +116,59 @@ class Evolution {
   Evaluator& evaluator_;
   const EvolveHooks& hooks_;
   HallOfFame hall_;
-  std::uint32_t done_ = 0;  // generations
+  std::uint32_t done_ = 0;                // generations
+  std::vector<GenerationRecord> untold_;  // the last of them
 };
 
 }  // namespace
+
+bool SavePace::due() const {
+  constexpr int kFactor = 50;
+  constexpr std::chrono::seconds kMostUnsaved{1};
+  return Clock::now() - ended_ >= std::min<Clock::duration>(kFactor * took_, kMostUnsaved);
+}
+
+Result<void> SavePace::save(const std::function<Result<void>()>& saving) {
+  const Clock::time_point begin = Clock::now();
+  auto saved = saving();
+  ended_ = Clock::now();
+  took_ = ended_ - begin;
+  return saved;
+}
+
+Result<std::vector<Tally>> evaluate_some(Evaluator& evaluator, std::span<const Tree> trees, const Job& job) {
+  return trees.empty() ? std::vector<Tally>() : evaluator.evaluate(trees, job);
+}
+
+Result<std::vector<Deme>> measured_again(Checkpoint& start, const EvolveConfig& config, const Breeding& breeding,
+                                         const Job& job, Evaluator& evaluator) {
+  if (auto ok = check_checkpoint(start, config, breeding); !ok) {
+    return tl::unexpected(ok.error());
+  }
+  auto population = evaluate_some(evaluator, start.population, job);
+  if (!population) {
+    return tl::unexpected(population.error());
+  }
+  auto archive = evaluate_some(evaluator, start.archive, job);
+  if (!archive) {
+    return tl::unexpected(archive.error());
+  }
+  std::vector<Deme> demes;
+  std::size_t kept = 0;  // of the archive
+  for (std::uint32_t number = 0; number < config.ga.demes; ++number) {
+    Deme deme{.generations = start.generation + 1, .population = {}, .archive = {}};
+    const DemeShare share = share_of(config.ga, number);
+    for (std::size_t slot = share.first; slot < share.first + share.size; ++slot) {
+      deme.population.push_back({std::move(start.population[slot]), std::move((*population)[slot])});
+    }
+    const std::size_t its_own = config.ga.demes > 1 ? start.kept[number] : start.archive.size();
+    for (const std::size_t end = kept + its_own; kept < end; ++kept) {
+      deme.archive.push_back({std::move(start.archive[kept]), std::move((*archive)[kept])});
+    }
+    demes.push_back(std::move(deme));
+  }
+  return demes;
+}
 
 Result<void> check_checkpoint(const Checkpoint& start, const EvolveConfig& config, const Breeding& breeding) {
   const GaConfig& ga = config.ga;
@@ -162,9 +205,6 @@ Result<Evolved> evolve(const Chain& chain, const EvolveConfig& config, Evaluator
   if (auto ok = check_config(config, chain.vocabulary()); !ok) {
     return tl::unexpected(ok.error());
   }
-  if (config.ga.demes > 1 || hooks.whole) {
-    return evolve_demes(chain, config, evaluator, std::move(start), hooks);
-  }
   auto choice = FinalChoice::make(chain, config);
   if (!choice) {
     return tl::unexpected(choice.error());
@@ -173,7 +213,10 @@ Result<Evolved> evolve(const Chain& chain, const EvolveConfig& config, Evaluator
   if (!search) {
     return tl::unexpected(search.error());
   }
-  return Evolution(chain, config, std::move(*choice), std::move(*search), evaluator, hooks).run(std::move(start));
+  if (config.ga.demes > 1 || hooks.whole) {
+    return evolve_demes({chain, config, std::move(*choice), std::move(*search), evaluator, hooks}, std::move(start));
+  }
+  return Evolution({chain, config, std::move(*choice), std::move(*search), evaluator, hooks}).run(std::move(start));
 }
 
 }  // namespace coppice

@@ -4,6 +4,7 @@
 // everything costly happens behind the Evaluator.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -32,20 +33,36 @@ struct Checkpoint {
   bool operator==(const Checkpoint&) const = default;
 };
 
-// Of the two functions one is called, on the thread of evolve(), before what comes next is bred; an error ends the
-// evolution: interrupted like an interrupted evaluation, any other is returned. Either may be empty.
+// What is called on the thread of evolve(), before what comes next is bred. Any of it may be empty.
 struct EvolveHooks {
-  // One deme: after each generation. Saves the checkpoint, shows progress.
-  std::function<Result<void>(const GenerationRecord&, const Checkpoint&)> generation_done;
-  // Several demes: after each epoch that all of them have ended, with its generations in their order; the checkpoint is
-  // of the last of them.
-  std::function<Result<void>(std::span<const GenerationRecord>, const Checkpoint&)> epoch_done = {};
+  // With the generations that were done since the last call, in their order, and where the run stands after the last of
+  // them: saves them, shows progress. Of several demes, after each epoch that all of them have ended. An error ends the
+  // evolution: interrupted like an interrupted evaluation, any other is returned.
+  std::function<Result<void>(std::span<const GenerationRecord>, const Checkpoint&)> generations_done = {};
+  // One deme: whether a generation that has just been done, and all before it, are to be told of now; empty: every one
+  // at once. They are in any case once the run ends, is interrupted, or its evaluator fails.
+  std::function<bool()> due = {};
   // Several demes: of the same epoch, and before that, each one's own records. [demes][generations] May be empty.
   std::function<void(std::span<const std::vector<GenerationRecord>>)> demes_done = {};
   // One deme, too, as an epoch that lasts the whole run: wherever that runs, it is sent nothing on the way. For who has
   // many runs and needs no checkpoints.
   bool whole = false;
   bool count_meanings = false;  // GenerationRecord::meanings
+};
+
+// Paces what is saved, so that saving takes no more than a fiftieth of the time: at the thesis' size a generation costs
+// less than its checkpoint. What a run may lose with its process is what it did since: at most a second and a
+// generation.
+class SavePace {
+ public:
+  // Whether to save now.
+  bool due() const;
+  // Saves, and remembers what that took.
+  Result<void> save(const std::function<Result<void>()>& saving);
+
+ private:
+  std::chrono::steady_clock::time_point ended_{};
+  std::chrono::steady_clock::duration took_{0};
 };
 
 struct Evolved {

@@ -39,15 +39,12 @@ Result<Evolved> evolve_and_keep(const EvolveConfig& config, const std::string& l
     return tl::unexpected(run.error());
   }
   EvolveHooks hooks;
-  hooks.generation_done = [&](const GenerationRecord& record, const Checkpoint& checkpoint) -> Result<void> {
-    if (const Result<void> saved = bench.study.save_generation(*run, record, checkpoint); !saved) {
-      return saved;
-    }
-    bench.progress(label, record.generation + 1);
-    return bench.stop.raised() ? Result<void>(interrupted()) : Result<void>();
-  };
-  hooks.epoch_done = [&](std::span<const GenerationRecord> records, const Checkpoint& checkpoint) -> Result<void> {
-    if (const Result<void> saved = bench.study.save_generations(*run, records, checkpoint); !saved) {
+  SavePace pace;
+  hooks.due = [&pace] { return pace.due(); };
+  hooks.generations_done = [&](std::span<const GenerationRecord> records,
+                               const Checkpoint& checkpoint) -> Result<void> {
+    const auto save = [&] { return bench.study.save_generations(*run, records, checkpoint); };
+    if (const Result<void> saved = pace.save(save); !saved) {
       return saved;
     }
     bench.progress(label, checkpoint.generation + 1);

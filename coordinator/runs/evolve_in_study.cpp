@@ -104,22 +104,14 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
   }
   const Clock::time_point began = Clock::now();
   EvolveHooks hooks;
-  hooks.generation_done = [&](const GenerationRecord& record, const Checkpoint& checkpoint) -> Result<void> {
-    if (const Result<void> saved = study.save_generation(run, record, checkpoint); !saved) {
-      return saved;
-    }
-    if (watch.generation_done) {
-      watch.generation_done(record, (*evaluator)->statistics());
-    }
-    if (stop.raised()) {
-      return interrupted();
-    }
-    return {};
-  };
   DemeCurves curves;
   hooks.demes_done = [&](std::span<const std::vector<GenerationRecord>> of_demes) { curves.add(of_demes); };
-  hooks.epoch_done = [&](std::span<const GenerationRecord> records, const Checkpoint& checkpoint) -> Result<void> {
-    if (const Result<void> saved = study.save_generations(run, records, checkpoint); !saved) {
+  SavePace pace;
+  hooks.due = [&pace] { return pace.due(); };
+  hooks.generations_done = [&](std::span<const GenerationRecord> records,
+                               const Checkpoint& checkpoint) -> Result<void> {
+    const auto save = [&] { return study.save_generations(run, records, checkpoint); };
+    if (const Result<void> saved = pace.save(save); !saved) {
       return saved;
     }
     for (const GenerationRecord& record : records) {

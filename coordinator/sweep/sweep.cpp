@@ -89,7 +89,8 @@ class Sweep {
     EvolveHooks hooks;
     hooks.whole = true;
     hooks.count_meanings = true;
-    hooks.epoch_done = [&](std::span<const GenerationRecord> records, const Checkpoint& checkpoint) -> Result<void> {
+    hooks.generations_done = [&](std::span<const GenerationRecord> records,
+                                 const Checkpoint& checkpoint) -> Result<void> {
       const auto individuals = static_cast<double>(checkpoint.population.size());
       for (const GenerationRecord& record : records) {
         result.distinct += static_cast<double>(record.distinct_trees) / individuals;

@@ -26,9 +26,10 @@ std::vector<Tree> bred_trees(const std::shared_ptr<const Chain>& chain, std::siz
   std::unordered_set<Meaning, MeaningHash> met;
   std::vector<Tree> trees;
   EvolveHooks hooks;
-  hooks.generation_done = [&](const GenerationRecord& record, const Checkpoint& checkpoint) -> Result<void> {
+  hooks.generations_done = [&](std::span<const GenerationRecord> records,
+                               const Checkpoint& checkpoint) -> Result<void> {
     for (const Tree& tree : checkpoint.population) {
-      if (record.generation % 4 == 0 && trees.size() < count && met.insert(meanings.of(tree)).second) {
+      if (records.back().generation % 4 == 0 && trees.size() < count && met.insert(meanings.of(tree)).second) {
         trees.push_back(tree);
       }
     }

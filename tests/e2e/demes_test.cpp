@@ -55,7 +55,8 @@ class DemesOverWorkers : public ::testing::TestWithParam<Search> {
   Course run(Evaluator& evaluator, std::optional<Checkpoint> start = std::nullopt) {
     Course course;
     EvolveHooks hooks;
-    hooks.epoch_done = [&](std::span<const GenerationRecord> records, const Checkpoint& checkpoint) -> Result<void> {
+    hooks.generations_done = [&](std::span<const GenerationRecord> records,
+                                 const Checkpoint& checkpoint) -> Result<void> {
       for (const GenerationRecord& record : records) {
         course.records.push_back(record);
         course.records.back().seconds = 0.0;  // the only field that may differ

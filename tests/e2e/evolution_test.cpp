@@ -56,12 +56,13 @@ class EvolutionOverWorkers : public ::testing::Test {
   static Course run(Evaluator& evaluator, const std::function<void(std::uint32_t)>& after_generation = {}) {
     Course course;
     EvolveHooks hooks;
-    hooks.generation_done = [&](const GenerationRecord& record, const Checkpoint& checkpoint) -> Result<void> {
-      course.records.push_back(record);
+    hooks.generations_done = [&](std::span<const GenerationRecord> records,
+                                 const Checkpoint& checkpoint) -> Result<void> {
+      course.records.push_back(records.back());
       course.records.back().seconds = 0.0;  // the only field that may differ
       course.checkpoints.push_back(checkpoint);
       if (after_generation) {
-        after_generation(record.generation);
+        after_generation(records.back().generation);
       }
       return {};
     };
@@ -203,8 +204,8 @@ TEST_F(EvolutionOverWorkers, EndsEveryRunOfAPoolThatIsToldToStop) {
       EvolveConfig endless = config();
       endless.ga.generations = kMaxGenerations;
       EvolveHooks hooks;
-      hooks.generation_done = [&](const GenerationRecord& record, const Checkpoint&) -> Result<void> {
-        if (record.generation == 3) {
+      hooks.generations_done = [&](std::span<const GenerationRecord> records, const Checkpoint&) -> Result<void> {
+        if (records.back().generation == 3) {
           stop_.raise();
         }
         return {};

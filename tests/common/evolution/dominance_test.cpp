@@ -67,8 +67,59 @@ TEST(Dominance, CrowdingIsTheSumOfTheGapsByRange) {
 TEST(Dominance, SurvivorsAreTheLowestRanksThenTheLeastCrowded) {
   //                                 front 0: ends, and a close pair; then one that is dominated
   const std::vector<double> values = {5, 5, 0, 4, 1.0, 2.9, 1.1, 2.8, 4, 0};
-  EXPECT_EQ(survivors({values, 2}, 3), (std::vector<std::size_t>{1, 4, 3}));
-  EXPECT_EQ(survivors({values, 2}, 5).back(), 0U);
+  EXPECT_EQ(survivors_of({values, 2}, 2).points, (std::vector<std::size_t>{1, 4}));
+  EXPECT_EQ(survivors_of({values, 2}, 3).points, (std::vector<std::size_t>{1, 3, 4}));
+  EXPECT_EQ(survivors_of({values, 2}, 4).points, (std::vector<std::size_t>{1, 2, 3, 4}));
+  EXPECT_EQ(survivors_of({values, 2}, 5).points, (std::vector<std::size_t>{0, 1, 2, 3, 4}));
+}
+
+std::vector<double> random_costs(Stream& stream, std::size_t points, std::size_t costs) {
+  std::vector<double> values;
+  for (std::size_t i = 0; i < points * costs; ++i) {
+    values.push_back(static_cast<double>(stream.below(40)));
+  }
+  return values;
+}
+
+std::vector<double> costs_of_points(const Costs& costs, const std::vector<std::size_t>& points) {
+  std::vector<double> values;
+  for (const std::size_t point : points) {
+    values.insert(values.end(), costs.of(point).begin(), costs.of(point).end());
+  }
+  return values;
+}
+
+TEST(Dominance, SurvivorsStandAmongThemselvesAsIfTheyHadAlwaysBeenAlone) {
+  Stream stream(6, Purpose::simulating, 0, 0);
+  for (const std::size_t costs : {1U, 2U, 3U, 5U}) {
+    for (const std::size_t count : {0U, 1U, 30U, 77U, 120U}) {
+      const std::vector<double> values = random_costs(stream, 120, costs);
+      const Survivors survivors = survivors_of({values, costs}, count);
+      ASSERT_EQ(survivors.points.size(), count);
+      const std::vector<double> theirs = costs_of_points({values, costs}, survivors.points);
+      const Standing alone = standing_of({theirs, costs});
+      EXPECT_EQ(survivors.standing.ranks, alone.ranks) << costs << " costs, " << count << " kept";
+      EXPECT_EQ(survivors.standing.crowding, alone.crowding) << costs << " costs, " << count << " kept";
+    }
+  }
+}
+
+TEST(Dominance, OfAFrontTheSameSurviveWithoutRanking) {
+  Stream stream(7, Purpose::simulating, 0, 0);
+  const std::vector<double> values = random_costs(stream, 400, 3);
+  std::vector<std::size_t> front;
+  const std::vector<std::uint32_t> ranks = ranks_of({values, 3});
+  for (std::size_t i = 0; i < ranks.size(); ++i) {
+    if (ranks[i] == 0) {
+      front.push_back(i);
+    }
+  }
+  ASSERT_GT(front.size(), 20U);
+  const std::vector<double> costs = costs_of_points({values, 3}, front);
+  const Survivors ranked = survivors_of({costs, 3}, 15);
+  const Survivors of_front = survivors_of_front({costs, 3}, 15);
+  EXPECT_EQ(of_front.points, ranked.points);
+  EXPECT_EQ(of_front.standing.crowding, ranked.standing.crowding);
 }
 
 }  // namespace

@@ -100,16 +100,15 @@ struct History {
   std::vector<Checkpoint> checkpoints;
 
   EvolveHooks hooks() {
-    return {
-        .generation_done = nullptr,
-        .epoch_done = [this](std::span<const GenerationRecord> epoch, const Checkpoint& checkpoint) -> Result<void> {
-          for (const GenerationRecord& record : epoch) {
-            records.push_back(record);
-            records.back().seconds = 0.0;
-          }
-          checkpoints.push_back(checkpoint);
-          return {};
-        }};
+    return {.generations_done = [this](std::span<const GenerationRecord> epoch,
+                                       const Checkpoint& checkpoint) -> Result<void> {
+      for (const GenerationRecord& record : epoch) {
+        records.push_back(record);
+        records.back().seconds = 0.0;
+      }
+      checkpoints.push_back(checkpoint);
+      return {};
+    }};
   }
 };
 
@@ -176,8 +175,8 @@ TEST_P(Demes, AStopKeepsTheBestOfTheLastWholeEpoch) {
   const auto stopped_evaluator = SerialEvaluator::make(chain_, stop, 3).value();
   History history;
   EvolveHooks hooks = history.hooks();
-  hooks.epoch_done = [&, keep = hooks.epoch_done](std::span<const GenerationRecord> epoch,
-                                                  const Checkpoint& checkpoint) -> Result<void> {
+  hooks.generations_done = [&, keep = hooks.generations_done](std::span<const GenerationRecord> epoch,
+                                                              const Checkpoint& checkpoint) -> Result<void> {
     if (checkpoint.generation == 5) {
       stop.raise();
     }

@@ -33,9 +33,11 @@ struct SavedHistory {
   std::vector<Checkpoint> checkpoints;
 
   EvolveHooks hooks() {
-    return {[this](const GenerationRecord& record, const Checkpoint& checkpoint) -> Result<void> {
-      records.push_back(record);
-      records.back().seconds = 0.0;
+    return {[this](std::span<const GenerationRecord> told, const Checkpoint& checkpoint) -> Result<void> {
+      for (const GenerationRecord& record : told) {
+        records.push_back(record);
+        records.back().seconds = 0.0;
+      }
       checkpoints.push_back(checkpoint);
       return {};
     }};
@@ -233,15 +235,49 @@ TEST_F(Evolve, AFailureOfTheEvaluatorEndsTheEvolution) {
   EXPECT_EQ(history.checkpoints.size(), 5U);
 }
 
+TEST_F(Evolve, TellsOfGenerationsTogetherWhenTheyAreDue) {
+  const EvolveConfig config = small_config();
+  SavedHistory each;
+  const auto expected = run(config, each);
+  ASSERT_TRUE(expected.has_value());
+  SavedHistory history;
+  EvolveHooks hooks = history.hooks();
+  std::size_t asked = 0;
+  hooks.due = [&] { return ++asked % 3 == 0; };
+  EXPECT_EQ(evolve(chain_, config, evaluator_, std::nullopt, hooks).value(), *expected);
+  EXPECT_EQ(history.records, each.records);
+  ASSERT_FALSE(history.checkpoints.empty());
+  EXPECT_LT(history.checkpoints.size(), each.checkpoints.size());
+  for (const Checkpoint& checkpoint : history.checkpoints) {
+    EXPECT_EQ(checkpoint, each.checkpoints[checkpoint.generation]);
+  }
+  EXPECT_EQ(history.checkpoints.back().generation, config.ga.generations - 1);
+}
+
+TEST_F(Evolve, TellsOfWhatWasDoneBeforeAFailureUnlessItRestsOnALie) {
+  for (const ErrorKind kind : {ErrorKind::failed, ErrorKind::interrupted, ErrorKind::revoked}) {
+    evaluator_.stop_at = 5;
+    evaluator_.calls.clear();
+    evaluator_.error = {kind, "ended"};
+    SavedHistory history;
+    EvolveHooks hooks = history.hooks();
+    hooks.due = [] { return false; };
+    static_cast<void>(evolve(chain_, small_config(), evaluator_, std::nullopt, hooks));
+    EXPECT_EQ(history.records.size(), kind == ErrorKind::revoked ? 0U : 5U);
+    EXPECT_EQ(history.checkpoints.size(), kind == ErrorKind::revoked ? 0U : 1U);
+  }
+}
+
 TEST_F(Evolve, AHookCanStopIt) {
-  EvolveHooks full{[](const GenerationRecord& r, const Checkpoint&) -> Result<void> {
-    return r.generation == 3 ? Result<void>(failed("disk full")) : Result<void>();
+  EvolveHooks full{[](std::span<const GenerationRecord> records, const Checkpoint&) -> Result<void> {
+    return records.back().generation == 3 ? Result<void>(failed("disk full")) : Result<void>();
   }};
   const auto evolved = evolve(chain_, small_config(), evaluator_, std::nullopt, full);
   ASSERT_FALSE(evolved.has_value());
   EXPECT_EQ(evolved.error().message, "disk full");
-  EvolveHooks enough{[](const GenerationRecord& r, const Checkpoint&) -> Result<void> {
-    return r.generation == 3 ? Result<void>(tl::unexpected(Error{ErrorKind::interrupted, "q"})) : Result<void>();
+  EvolveHooks enough{[](std::span<const GenerationRecord> records, const Checkpoint&) -> Result<void> {
+    return records.back().generation == 3 ? Result<void>(tl::unexpected(Error{ErrorKind::interrupted, "q"}))
+                                          : Result<void>();
   }};
   const auto stopped = evolve(chain_, small_config(), evaluator_, std::nullopt, enough);
   ASSERT_TRUE(stopped.has_value());

@@ -39,7 +39,7 @@ class FrontSearchTest : public ::testing::Test {
   Result<Evolved> run(const EvolveConfig& config, std::optional<Checkpoint> start = std::nullopt) {
     checkpoints_.clear();
     return evolve(chain_, config, evaluator_, std::move(start),
-                  {[this](const GenerationRecord&, const Checkpoint& checkpoint) -> Result<void> {
+                  {[this](std::span<const GenerationRecord>, const Checkpoint& checkpoint) -> Result<void> {
                     checkpoints_.push_back(checkpoint);
                     return {};
                   }});

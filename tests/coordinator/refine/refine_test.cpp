@@ -34,8 +34,8 @@ class RefineLoop : public ::testing::Test {
       testing::WalkingEvaluator evaluator(round.chain());
       const RunId run = round.begin_run({config, "serial"}).value();
       EvolveHooks hooks;
-      hooks.generation_done = [&](const GenerationRecord& record, const Checkpoint& checkpoint) {
-        return round.save_generation(run, record, checkpoint);
+      hooks.generations_done = [&](std::span<const GenerationRecord> records, const Checkpoint& checkpoint) {
+        return round.save_generations(run, records, checkpoint);
       };
       configs_.push_back(config);
       auto evolved = evolve(round.chain(), config, evaluator, std::nullopt, hooks);

@@ -39,11 +39,11 @@ TEST_F(BackupTest, IsWhatTheStudyHeldAtOneMomentWhileARunGoesOn) {
   const RunId id = study.begin_run({config(), "serial"}).value();
   EvolveHooks hooks;
   std::uint32_t copied_at = 0;
-  hooks.generation_done = [&](const GenerationRecord& record, const Checkpoint& checkpoint) {
-    auto saved = study.save_generation(id, record, checkpoint);
-    if (saved && record.generation == 2) {
+  hooks.generations_done = [&](std::span<const GenerationRecord> records, const Checkpoint& checkpoint) {
+    auto saved = study.save_generations(id, records, checkpoint);
+    if (saved && records.back().generation == 2) {
       saved = back_up_study(path_, copy());
-      copied_at = record.generation;
+      copied_at = records.back().generation;
     }
     return saved;
   };

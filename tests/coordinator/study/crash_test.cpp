@@ -99,11 +99,11 @@ class CrashTest : public StudyFiles {
     }
     const auto run = study->begin_run({endless(), "serial"});
     WalkingEvaluator evaluator(chain_);
-    const EvolveHooks hooks{[&](const GenerationRecord& record, const Checkpoint& checkpoint) {
+    const EvolveHooks hooks{[&](std::span<const GenerationRecord> records, const Checkpoint& checkpoint) {
       evaluator.calls.clear();
-      auto ok = study->save_generation(*run, record, checkpoint);
+      auto ok = study->save_generations(*run, records, checkpoint);
       if (ok) {
-        report(record.generation);
+        report(records.back().generation);
       }
       return ok;
     }};
@@ -146,7 +146,7 @@ TEST_F(CrashTest, KillNineLosesNoGenerationThatWasSaved) {
     WalkingEvaluator evaluator(chain_);
     std::optional<Checkpoint> reached;
     ASSERT_TRUE(evolve(chain_, same, evaluator, std::nullopt,
-                       {[&](const GenerationRecord&, const Checkpoint& checkpoint) -> Result<void> {
+                       {[&](std::span<const GenerationRecord>, const Checkpoint& checkpoint) -> Result<void> {
                          reached = checkpoint;
                          return {};
                        }})

@@ -37,23 +37,23 @@ EvolveConfig StudyFiles::config() {
 }
 
 EvolveHooks StudyFiles::saving_hooks(Study& study, RunId run) {
-  return {[&study, run](const GenerationRecord& record, const Checkpoint& checkpoint) {
-    return study.save_generation(run, record, checkpoint);
+  return {[&study, run](std::span<const GenerationRecord> records, const Checkpoint& checkpoint) {
+    return study.save_generations(run, records, checkpoint);
   }};
 }
 
 std::vector<GenerationRecord> StudyFiles::evolve_into(Study& study, RunId run, const EvolveConfig& config) {
-  std::vector<GenerationRecord> records;
+  std::vector<GenerationRecord> all;
   WalkingEvaluator evaluator(chain_);
-  const EvolveHooks hooks{[&](const GenerationRecord& record, const Checkpoint& checkpoint) {
-    records.push_back(record);
-    return study.save_generation(run, record, checkpoint);
+  const EvolveHooks hooks{[&](std::span<const GenerationRecord> records, const Checkpoint& checkpoint) {
+    all.insert(all.end(), records.begin(), records.end());
+    return study.save_generations(run, records, checkpoint);
   }};
   const auto evolved = evolve(chain_, config, evaluator, std::nullopt, hooks);
   if (!evolved) {
     throw std::runtime_error(evolved.error().message);
   }
-  return records;
+  return all;
 }
 
 std::string StudyFiles::content() const {
