@@ -286,6 +286,9 @@ Result<DecodedEpoch> EpochDecoder::decode_task(std::span<const std::uint8_t> pay
       meanings > 1 || !take(payload, begins) || begins > 1) {
     return cut_short("task");
   }
+  if (configuration_.front() != begins) {
+    return bad_input("founders travel with demes that begin, and with no others");
+  }
   epoch.task.count_meanings = meanings == 1;
   if (begins == 0) {
     auto deme = read_deme(payload);
@@ -368,7 +371,7 @@ Result<EpochResult> EpochDecoder::decode_result(std::span<const std::uint8_t> pa
 }
 
 Result<void> EpochDecoder::read_configuration(std::span<const std::uint8_t> bytes) {
-  if (config_ != nullptr && std::equal(bytes.begin(), bytes.end(), configuration_.begin(), configuration_.end())) {
+  if (!configuration_.empty() && std::ranges::equal(bytes, configuration_)) {
     return {};
   }
   auto config = take_configuration(bytes);

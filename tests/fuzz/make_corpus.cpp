@@ -2,6 +2,7 @@
 // would take long to find. The files are kept in corpus/: `make_corpus tests/fuzz/corpus` after a format has changed;
 // with --check it writes nothing and fails if a kept file is not what it would write.
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
@@ -23,6 +24,8 @@
 #include "common/check.hpp"
 #include "common/tree/text.hpp"
 #include "common/wire/codec.hpp"
+#include "common/wire/epoch_codec.hpp"
+#include "tests/fuzz/epochs.hpp"
 #include "tests/fuzz/words.hpp"
 #include "tests/oracles/chains.hpp"
 #include "tests/oracles/trees.hpp"
@@ -227,6 +230,94 @@ void write_answers(Folder& folder) {
   folder.write("bad_count", asked(2, 2, {255, 255, 255, 255, 0, 0}));
 }
 
+constexpr std::array<const char*, kSampleEpochs> kEpochNames = {"scalar_begins", "scalar_goes_on", "front_begins",
+                                                                "front_goes_on"};
+
+Bytes packed(const EvolveConfig& config, const EpochTask& task) {
+  return wire::encode_epoch_task(wire::encode_configuration(config, task.deme == nullptr), task);
+}
+
+void write_epoch_tasks(Folder& folder) {
+  const Chain chain = small_chain();
+  for (std::size_t which = 0; which < kSampleEpochs; ++which) {
+    const auto [config, task, result] = sample_epoch(which, chain);
+    const Bytes good = packed(*config, task);
+    const std::string name = kEpochNames[which];
+    folder.write(name, good);
+    folder.write("bad_" + name + "_cut_short", {good.begin(), good.end() - 1});
+    Bytes surplus = good;
+    surplus.push_back(0);
+    folder.write("bad_" + name + "_surplus", surplus);
+    // As if it were the other kind: founders where nothing begins, none where something does.
+    folder.write("bad_" + name + "_founders",
+                 wire::encode_epoch_task(wire::encode_configuration(*config, task.deme != nullptr), task));
+    const auto changed = [&](const char* what, const std::function<void(EpochTask&)>& change) {
+      EpochTask other = task;
+      change(other);
+      folder.write("bad_" + name + "_" + what, packed(*config, other));
+    };
+    changed("deme", [&](EpochTask& other) { other.number = config->ga.demes; });
+    changed("until", [&](EpochTask& other) { other.until = config->ga.generations + 1; });
+    changed("nothing_to_do", [&](EpochTask& other) { other.until = other.deme ? other.deme->generations : 0; });
+    if (task.deme) {
+      changed("too_many_migrants", [](EpochTask& other) { other.migrants.push_back(other.migrants.front()); });
+      changed("too_few_individuals", [](EpochTask& other) {
+        Deme fewer = *other.deme;
+        fewer.population.pop_back();
+        other.deme = std::make_shared<const Deme>(std::move(fewer));
+      });
+      changed("matches", [](EpochTask& other) { other.migrants.front().tally.matches = 21; });
+    }
+  }
+  EvolveConfig wide = *sample_epoch(2, chain).config;
+  wide.ga.guided = 0.5;
+  wide.ga.guided_steps = 2;
+  wide.ga.form = Form::guarded;
+  wide.ga.seeding = Seeding::greedy;
+  wide.ga.max_nodes = 15;
+  wide.ga.edits = 0.5;
+  wide.ga.local_search = 0.25;
+  wide.ga.simplify = Simplification::lossless;
+  wide.front.restarts = 1;
+  wide.rollout.method = Method::discounted;
+  wide.ga.founders.clear();
+  folder.write("guided_and_guarded", packed(wide, sample_epoch(2, chain).task));
+  folder.write("bad_empty", {});
+  folder.write("bad_size_of_the_configuration", {255, 255, 255, 255, 0});
+}
+
+void write_epoch_results(Folder& folder) {
+  const Chain chain = small_chain();
+  for (std::size_t which = 0; which < kSampleEpochs; ++which) {
+    const auto [config, task, result] = sample_epoch(which, chain);
+    const std::string name = kEpochNames[which];
+    const auto answer = [&](const EpochResult& given) {
+      Bytes bytes = wire::encode_epoch_result(given);
+      bytes.insert(bytes.begin(), static_cast<std::uint8_t>(which));
+      return bytes;
+    };
+    const Bytes good = answer(result);
+    folder.write(name, good);
+    folder.write("bad_" + name + "_cut_short", {good.begin(), good.end() - 1});
+    const auto changed = [&](const char* what, const std::function<void(EpochResult&)>& change) {
+      EpochResult other = result;
+      change(other);
+      folder.write("bad_" + name + "_" + what, answer(other));
+    };
+    changed("generations", [](EpochResult& other) { ++other.deme.generations; });
+    changed("too_few_records", [](EpochResult& other) { other.records.pop_back(); });
+    changed("too_many_emigrants", [](EpochResult& other) { other.emigrants.push_back(other.emigrants.front()); });
+    changed("too_many_individuals",
+            [](EpochResult& other) { other.deme.population.push_back(other.deme.population.front()); });
+    changed("not_a_number",
+            [](EpochResult& other) { other.records[0].mean_fitness = std::numeric_limits<double>::quiet_NaN(); });
+    // Scores of one objective more than were asked for.
+    changed("scores", [](EpochResult& other) { other.deme.population.back().tally.scores.push_back(1); });
+  }
+  folder.write("bad_empty", {});
+  folder.write("bad_no_payload", {1});
+}
+
 Bytes changed(const Chain& chain, const std::function<void(ChainParts&)>& change) {
   ChainParts parts = chain.parts();
   change(parts);
@@ -313,7 +404,8 @@ void write_corpus(const fs::path& corpus, bool check) {
     void (*write)(Folder&);
   };
   for (const Part& part :
-       {Part{"task", write_tasks}, Part{"answer", write_answers}, Part{"chain_bytes", write_chains}}) {
+       {Part{"task", write_tasks}, Part{"answer", write_answers}, Part{"epoch_task", write_epoch_tasks},
+        Part{"epoch_result", write_epoch_results}, Part{"chain_bytes", write_chains}}) {
     Folder folder(corpus / part.name, check);
     part.write(folder);
     folder.finish();

@@ -135,8 +135,16 @@ class Soak : public SoakSite {
 
   void evolve_under_fire(int evolution) {
     begin_logs(evolution);
-    const std::vector<std::string> settings = {
+    std::vector<std::string> settings = {
         "--seed", std::to_string(1 + below(1000)), "--set", "ga.generations=600", "--set", "ga.population=60"};
+    if (below(2) == 0) {  // bred where they are evaluated, in epochs short enough to be many
+      ++counts_["in demes"];
+      for (const std::string& setting :
+           {"ga.demes=" + std::to_string(2 + below(5)), "ga.epoch=" + std::to_string(2 + below(20)),
+            std::string(below(2) == 0 ? "ga.migration=ring" : "ga.migration=random")}) {
+        settings.insert(settings.end(), {"--set", setting});
+      }
+    }
     all_checked_ = below(2) == 0;
     choose_chain();
     const auto expected = serial_runs(settings);
