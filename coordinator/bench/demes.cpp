@@ -235,22 +235,33 @@ Result<std::vector<DemeScaling>> measure_demes(const std::shared_ptr<const Chain
   return all;
 }
 
+double predicted_speed_up(const EpochCosts& costs, std::uint32_t demes, double lanes) {
+  const double used = std::min(static_cast<double>(demes), lanes);
+  return std::min(used * costs.core / (costs.core + costs.lost), costs.core / std::max(costs.coordinator, 1e-9));
+}
+
 DemePlan plan_of(const DemeScaling& scaling, const Hosts& hosts) {
   const auto row = std::find_if(scaling.rows.rbegin(), scaling.rows.rend(),
                                 [](const DemeRow& candidate) { return candidate.bytes > 0.0; });
   COPPICE_CHECK(row != scaling.rows.rend());
   const auto epochs = static_cast<double>(scaling.epochs);
+  const auto of_all = [&](double seconds, double lanes) { return seconds * lanes / epochs; };
   DemePlan plan;
-  plan.epoch_seconds = scaling.serial_seconds.median / epochs;
-  plan.coordinator_seconds = row->busy;
+  EpochCosts& costs = plan.costs;
+  costs.core = scaling.serial_seconds.median / epochs;
+  // What the cores lose by working at once is no matter of sending.
+  const auto abreast = static_cast<double>(scaling.abreast);
+  const double at_once = of_all(scaling.serial_seconds.median / scaling.abreast_speed_up.median, abreast);
+  costs.lost = std::max(0.0, of_all(row->seconds.median, static_cast<double>(row->lanes)) - at_once);
+  costs.coordinator = row->busy;
   const double lanes = static_cast<double>(hosts.hosts) * hosts.cores;
-  const double coordinator = plan.epoch_seconds / std::max(plan.coordinator_seconds, 1e-9);
-  plan.speed_up = std::min({static_cast<double>(scaling.demes), lanes, coordinator});
-  plan.limit = plan.speed_up == coordinator ? "the coordinator, which packs and unpacks every epoch on one core"
-               : plan.speed_up == lanes     ? "the cores"
-                                            : "the number of demes (ga.demes)";
-  plan.bytes_per_second = row->bytes * static_cast<double>(scaling.individuals) / epochs * plan.speed_up /
-                          std::max(plan.epoch_seconds, 1e-9);
+  plan.speed_up = predicted_speed_up(costs, scaling.demes, lanes);
+  const double without_coordinator = predicted_speed_up({costs.core, costs.lost, 0.0}, scaling.demes, lanes);
+  plan.limit = plan.speed_up < without_coordinator ? "the coordinator, which packs and unpacks every epoch on one core"
+               : lanes <= scaling.demes            ? "the cores"
+                                                   : "the number of demes (ga.demes)";
+  plan.bytes_per_second =
+      row->bytes * static_cast<double>(scaling.individuals) / epochs * plan.speed_up / std::max(costs.core, 1e-9);
   return plan;
 }
 

@@ -58,12 +58,22 @@ struct Hosts {
   std::uint32_t cores = 1;  // of each
 };
 
-// What a run would gain on such hosts: with an epoch of c seconds on a core, k processor seconds of the coordinator for
-// it, and D demes, at most min(D, hosts x cores, c / k) times the serial run.
+// What an epoch costs, in seconds.
+struct EpochCosts {
+  double core = 0.0;         // c, of a worker's core
+  double lost = 0.0;         // o, that a worker waits for it besides: packing, the way there and back
+  double coordinator = 0.0;  // k, processor time of the coordinator
+};
+
+// How many times as fast as on one core a run of D demes goes on L lanes:
+//   min( min(D, L) x c / (c + o), c / k )
+// Nobody waits for all others, so a number of demes that the lanes do not divide costs nothing.
+double predicted_speed_up(const EpochCosts& costs, std::uint32_t demes, double lanes);
+
+// What a run would gain on such hosts.
 struct DemePlan {
-  double epoch_seconds = 0.0;        // c
-  double coordinator_seconds = 0.0;  // k
-  double bytes_per_second = 0.0;     // both ways, at the speed predicted
+  EpochCosts costs;
+  double bytes_per_second = 0.0;  // both ways, at the speed predicted
   double speed_up = 1.0;
   std::string limit;  // what keeps it from more
 };

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/duration.hpp"
 #include "coordinator/console/json_line.hpp"
 
 namespace coppice {
@@ -46,11 +47,52 @@ std::string to_text(const DemeScaling& scaling) {
 std::string to_text(const DemeScaling& scaling, const Hosts& hosts, const DemePlan& plan) {
   return fmt::format(
       "\n{}, {} demes, on {} hosts of {} cores: {:.1f} times the serial run, by what was measured here:\n"
-      "  min(demes, hosts x cores, c / k) with an epoch of c = {:.2f} ms on a core and k = {:.0f} us of the "
-      "coordinator;\n"
-      "  limited by {}; {:.1f} MB a second, both ways\n",
-      scaling.name, scaling.demes, hosts.hosts, hosts.cores, plan.speed_up, plan.epoch_seconds * 1e3,
-      plan.coordinator_seconds * 1e6, plan.limit, plan.bytes_per_second / 1e6);
+      "  min( min(demes, hosts x cores) x c / (c + o), c / k ), with an epoch of c = {:.2f} ms on a core, o = {:.0f} "
+      "us "
+      "on its\n  way and k = {:.0f} us of the coordinator; limited by {}; {:.1f} MB a second, both ways\n",
+      scaling.name, scaling.demes, hosts.hosts, hosts.cores, plan.speed_up, plan.costs.core * 1e3,
+      plan.costs.lost * 1e6, plan.costs.coordinator * 1e6, plan.limit, plan.bytes_per_second / 1e6);
+}
+
+std::string paced_demes_heading(const PacingSettings& settings) {
+  std::string text = fmt::format("\nworkers that take {} for an individual", in_words(settings.pace));
+  if (settings.slow_workers > 0) {
+    text += fmt::format(", {} of them {}", settings.slow_workers, in_words(settings.slow_pace));
+  }
+  return text +
+         fmt::format("; epochs of {} individuals\n  {:>7} {:>5} {:>6} {:>9} {:>15} {:>7} {:>9} {:>7} {:>6} {:>11}\n",
+                     kPacedIndividualsPerEpoch, "workers", "demes", "epochs", "ideal", "all epochs", "ideal/",
+                     "predicted", "copies", "busy", "busy/epoch");
+}
+
+std::string to_text(const PacedDemesRow& row) {
+  return fmt::format("  {:>7} {:>5} {:>6} {:>9} {:>15} {:>7} {:>9} {:>7.1f} {:>6} {:>11}\n", row.workers, row.demes,
+                     row.epochs, fmt::format("{:.3f} s", row.ideal_seconds),
+                     fmt::format("{:.3f} s {}", row.seconds.median, percent_text(row.seconds)),
+                     fmt::format("{:.1f}%", 100.0 * row.ideal_seconds / row.seconds.median),
+                     row.predicted_seconds > 0.0 ? fmt::format("{:.3f} s", row.predicted_seconds) : "", row.copies,
+                     fmt::format("{:.1f}%", 100.0 * row.busy),
+                     fmt::format("{:.0f} us", 1e6 * row.busy * row.seconds.median / row.epochs));
+}
+
+std::string to_json(const PacingSettings& settings, const std::vector<PacedDemesRow>& rows) {
+  Json list = Json::array();
+  for (const PacedDemesRow& row : rows) {
+    list.push_back({{"workers", row.workers},
+                    {"demes", row.demes},
+                    {"epochs", row.epochs},
+                    {"ideal_seconds", row.ideal_seconds},
+                    {"seconds", deme_json_of(row.seconds)},
+                    {"predicted_seconds", row.predicted_seconds},
+                    {"copies", row.copies},
+                    {"coordinator_busy", row.busy}});
+  }
+  return json_line({{"pace_seconds", static_cast<double>(settings.pace.count()) * 1e-9},
+                    {"slow_workers", settings.slow_workers},
+                    {"slow_pace_seconds", static_cast<double>(settings.slow_pace.count()) * 1e-9},
+                    {"individuals_per_epoch", kPacedIndividualsPerEpoch},
+                    {"repetitions", settings.repetitions},
+                    {"paced_demes", list}});
 }
 
 std::string to_json(const ScalingSettings& settings, const std::vector<DemeScaling>& scaling,
@@ -78,8 +120,9 @@ std::string to_json(const ScalingSettings& settings, const std::vector<DemeScali
       const DemePlan plan = plan_of(workload, *hosts);
       json["plan"] = {{"hosts", hosts->hosts},
                       {"cores", hosts->cores},
-                      {"epoch_seconds", plan.epoch_seconds},
-                      {"coordinator_seconds", plan.coordinator_seconds},
+                      {"epoch_seconds", plan.costs.core},
+                      {"lost_seconds", plan.costs.lost},
+                      {"coordinator_seconds", plan.costs.coordinator},
                       {"bytes_per_second", plan.bytes_per_second},
                       {"speed_up", plan.speed_up},
                       {"limit", plan.limit}};

@@ -10,24 +10,6 @@
 namespace coppice {
 namespace {
 
-std::vector<LocalWorkers::Flags> flags_of(std::size_t workers, const PacingSettings& settings) {
-  std::vector<LocalWorkers::Flags> flags;
-  for (std::size_t i = 0; i < workers; ++i) {
-    const auto pace = i < settings.slow_workers ? settings.slow_pace : settings.pace;
-    flags.push_back({"--pace", fmt::format("{}ns", pace.count())});
-  }
-  return flags;
-}
-
-double ideal_seconds(std::size_t workers, std::uint32_t individuals, const PacingSettings& settings) {
-  double per_second = 0.0;
-  for (std::size_t i = 0; i < workers; ++i) {
-    const auto pace = i < settings.slow_workers ? settings.slow_pace : settings.pace;
-    per_second += 1e9 / static_cast<double>(pace.count());
-  }
-  return static_cast<double>(individuals) / per_second;
-}
-
 struct Timed {
   double seconds = 0.0;
   double busy = 0.0;  // of a core: this process
@@ -60,13 +42,13 @@ Result<PacingRow> measure(const std::shared_ptr<const Chain>& chain, std::size_t
   row.workers = workers;
   row.individuals =
       settings.population != 0 ? settings.population : kIndividualsPerWorker * static_cast<std::uint32_t>(workers);
-  row.ideal_seconds = ideal_seconds(workers, row.individuals, settings);
+  row.ideal_seconds = row.individuals / paced_individuals_per_second(workers, settings);
   const Workload workload = light_workload(*chain, row.individuals);
 
   FleetOptions options;
   options.local_workers = workers;
   options.worker_program = settings.worker_program;
-  options.worker_flags = flags_of(workers, settings);
+  options.worker_flags = paced_flags(workers, settings);
   const Stopwatch coming;
   auto evaluator = FleetEvaluator::open(chain, std::move(options), stop);
   if (!evaluator) {
@@ -106,6 +88,24 @@ Result<PacingRow> measure(const std::shared_ptr<const Chain>& chain, std::size_t
 }
 
 }  // namespace
+
+std::vector<LocalWorkers::Flags> paced_flags(std::size_t workers, const PacingSettings& settings) {
+  std::vector<LocalWorkers::Flags> flags;
+  for (std::size_t i = 0; i < workers; ++i) {
+    const auto pace = i < settings.slow_workers ? settings.slow_pace : settings.pace;
+    flags.push_back({"--pace", fmt::format("{}ns", pace.count())});
+  }
+  return flags;
+}
+
+double paced_individuals_per_second(std::size_t workers, const PacingSettings& settings) {
+  double per_second = 0.0;
+  for (std::size_t i = 0; i < workers; ++i) {
+    const auto pace = i < settings.slow_workers ? settings.slow_pace : settings.pace;
+    per_second += 1e9 / static_cast<double>(pace.count());
+  }
+  return per_second;
+}
 
 Result<std::vector<PacingRow>> measure_pacing(const std::shared_ptr<const Chain>& chain, const PacingSettings& settings,
                                               const StopFlag& stop, const std::function<void(const PacingRow&)>& done) {

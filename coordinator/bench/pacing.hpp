@@ -15,6 +15,7 @@
 #include "common/error.hpp"
 #include "common/stop.hpp"
 #include "coordinator/bench/measurement.hpp"
+#include "coordinator/fleet/local_workers.hpp"
 
 namespace coppice {
 
@@ -29,6 +30,11 @@ struct PacingSettings {
 };
 
 inline constexpr std::uint32_t kIndividualsPerWorker = 50;
+
+// The flags that give each of so many workers its pace, and the individuals a second that all of them reach together.
+// REQUIRES: slow_workers <= workers.
+std::vector<LocalWorkers::Flags> paced_flags(std::size_t workers, const PacingSettings& settings);
+double paced_individuals_per_second(std::size_t workers, const PacingSettings& settings);
 
 struct PacingRow {
   std::size_t workers = 0;

@@ -11,6 +11,7 @@
 #include "coordinator/bench/bench_report.hpp"
 #include "coordinator/bench/demes_report.hpp"
 #include "coordinator/bench/machine.hpp"
+#include "coordinator/bench/paced_demes.hpp"
 #include "coordinator/bench/pacing.hpp"
 #include "coordinator/bench/scaling.hpp"
 #include "coordinator/commands/commands.hpp"
@@ -198,6 +199,27 @@ Result<void> bench_scaling(const ScalingSettings& settings, const std::vector<Wo
   return {};
 }
 
+Result<void> bench_paced_demes(const PacingSettings& settings, const std::shared_ptr<const Chain>& chain, bool json,
+                               const StopFlag& stop) {
+  if (!json) {
+    print_now(paced_demes_heading(settings));
+  }
+  const auto rows = measure_paced_demes(chain, settings, stop, [&](const PacedDemesRow& row) {
+    if (!json) {
+      print_now(to_text(row));
+    }
+  });
+  if (!rows) {
+    return tl::unexpected(rows.error());
+  }
+  print_now(
+      json ? to_json(settings, *rows) + "\n"
+           : "ideal: every worker busy to the end. predicted: by the formula of --plan, from the first row. busy: of "
+             "a core, the\ncoordinator. copies: epochs sent a second time, a run. Every run ended as the serial "
+             "one.\n");
+  return {};
+}
+
 // "hosts=64" "cores=16".
 Result<Hosts> hosts_of(const std::vector<std::string>& words) {
   Hosts hosts;
@@ -282,6 +304,9 @@ Result<void> bench_command(const Options& options, const StopFlag& stop) {
     print_now(fmt::format("chain: {} states, {} actions, {} transitions; {} repetitions side by side\n",
                           (*chain)->states(), (*chain)->actions(), (*chain)->transitions(), options.repetitions));
   }
+  if (pacing && options.demes) {
+    return bench_paced_demes(*pacing, *chain, options.json, stop);
+  }
   if (pacing) {
     return bench_pacing(*pacing, *chain, machine, options.json, stop);
   }
@@ -333,14 +358,17 @@ void add_bench(CLI::App& app, Invocation& invocation) {
   command->add_option("--slow", options->slow, "With --pace: K of the workers take DURATION")
       ->type_name("K:DURATION")
       ->needs(pace);
-  command->add_option("--population", options->population, "With --pace: individuals (default: 50 for each worker)")
+  command
+      ->add_option("--population", options->population,
+                   "With --pace: individuals (default: 50 for each worker; with --demes 10, which are one deme)")
       ->check(whole_number(1, kMostPopulation))
       ->needs(pace);
   command->add_flag("--transfer", options->transfer, "How fast the chain reaches a worker instead, beside bare DDS")
       ->excludes(pace)
       ->excludes(workloads);
-  command->add_flag("--demes", options->demes, "Whole evolutions in demes instead: on threads and on workers")
-      ->excludes(pace)
+  command
+      ->add_flag("--demes", options->demes,
+                 "Whole evolutions in demes instead: on threads and on workers; with --pace, on such workers")
       ->excludes(workloads);
   command
       ->add_option("--plan", options->plan,
@@ -366,6 +394,7 @@ void add_bench(CLI::App& app, Invocation& invocation) {
       "  coppice bench --transfer --study large.coppice\n"
       "  coppice bench --pace 2ms --workers 1,8,64\n"
       "  coppice bench --workers 1,2 --plan hosts=64 cores=16\n"
+      "  coppice bench --demes --pace 1ms --workers 1,8,64\n"
       "  coppice bench --pace 2ms --workers 20 --slow 1:20ms");
   command->callback([&invocation, options] {
     invocation.chosen = [&invocation, options] { return bench_command(*options, invocation.stop); };

@@ -22,7 +22,12 @@ std::string progress_text(const GenerationRecord& record, const DispatchStatisti
       fmt::format("best {:.3f}, mean {:.3f}, {} (mean {:.0f}), {} evaluations/s", record.best.fitness,
                   record.mean_fitness, counted(record.best_nodes(), "node"), record.mean_nodes, count_text(rate));
   if (kind != EvaluatorChoice::Kind::serial) {
-    text += fmt::format(", {} worker{}", statistics.workers_alive, statistics.workers_alive == 1 ? "" : "s");
+    text += ", " + counted(statistics.workers_alive, "worker");
+    if (statistics.epochs_open > 0) {
+      text += statistics.fewest_held == statistics.most_held
+                  ? fmt::format(" with {} each", counted(statistics.most_held, "epoch"))
+                  : fmt::format(" with {} to {} each", statistics.fewest_held, counted(statistics.most_held, "epoch"));
+    }
   }
   return text;
 }

@@ -108,6 +108,19 @@ std::size_t Dispatcher::ready_lanes() const {
 DispatchStatistics Dispatcher::statistics() const {
   DispatchStatistics statistics = statistics_;
   statistics.workers_alive = roster_.ready();
+  for (const auto& [id, request] : requests_) {
+    const bool open = request.terms.work.kind == WorkKind::evolve && !flight_.done(id);
+    statistics.epochs_open += open ? 1 : 0;
+  }
+  bool first = true;
+  for (const auto& [id, worker] : roster_.all()) {
+    if (worker.ready()) {
+      const std::size_t held = flight_.load(id);
+      statistics.fewest_held = first ? held : std::min(statistics.fewest_held, held);
+      statistics.most_held = std::max(statistics.most_held, held);
+      first = false;
+    }
+  }
   return statistics;
 }
 

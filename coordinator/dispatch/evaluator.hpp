@@ -42,6 +42,11 @@ struct DispatchStatistics {
   std::uint64_t cross_checked = 0;  // individuals that the coordinator evaluated again
   std::uint64_t quarantined = 0;    // workers that answered wrongly
   std::size_t workers_alive = 0;
+  // At this moment: epochs that run or wait, and how many the workers hold, from the one with fewest to the one with
+  // most, copies included.
+  std::size_t epochs_open = 0;
+  std::size_t fewest_held = 0;
+  std::size_t most_held = 0;
 };
 
 class Evaluator {

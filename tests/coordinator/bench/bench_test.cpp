@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "coordinator/bench/bench_report.hpp"
+#include "coordinator/bench/demes_report.hpp"
 #include "coordinator/bench/machine.hpp"
 #include "coordinator/bench/measurement.hpp"
 #include "coordinator/bench/scaling.hpp"
@@ -65,6 +66,50 @@ TEST(Scaling, ShowsWhatTheCoresGiveWithoutDispatch) {
   const std::string text = to_text(some_scaling().front());
   EXPECT_NE(text.find("2 serial"), std::string::npos) << text;
   EXPECT_NE(text.find("1.70    85%"), std::string::npos) << text;
+}
+
+TEST(DemePlan, IsLimitedByDemesByCoresAndByTheCoordinator) {
+  const EpochCosts free_way{.core = 50e-3, .lost = 0.0, .coordinator = 0.5e-3};
+  EXPECT_DOUBLE_EQ(predicted_speed_up(free_way, 64, 16), 16.0);
+  EXPECT_DOUBLE_EQ(predicted_speed_up(free_way, 12, 16), 12.0);
+  EXPECT_DOUBLE_EQ(predicted_speed_up(free_way, 400, 400), 100.0);  // 50 ms / 0.5 ms
+  EXPECT_DOUBLE_EQ(predicted_speed_up({50e-3, 12.5e-3, 0.5e-3}, 64, 10), 8.0);
+}
+
+// 10 ms an epoch; two serial runs at once take 1.6 times one; two workers 0.6 s for 100 epochs.
+DemeScaling some_demes() {
+  DemeScaling scaling;
+  scaling.name = "thesis";
+  scaling.demes = 8;
+  scaling.epochs = 100;
+  scaling.individuals = 100'000;
+  scaling.serial_seconds = {1.0, 1.0, 1.0};
+  scaling.abreast = 2;
+  scaling.abreast_speed_up = {2.0, 2.0, 2.0};
+  DemeRow threads;
+  threads.name = "2 threads";
+  threads.lanes = 2;
+  threads.seconds = {0.5, 0.5, 0.5};
+  DemeRow workers;
+  workers.name = "2 workers";
+  workers.lanes = 2;
+  workers.seconds = {0.6, 0.6, 0.6};
+  workers.bytes = 6.0;
+  workers.busy = 100e-6;
+  scaling.rows = {threads, workers};
+  return scaling;
+}
+
+TEST(DemePlan, ChargesAnEpochWhatWorkersTookLongerThanTheCoresAlone) {
+  const DemePlan plan = plan_of(some_demes(), {.hosts = 2, .cores = 2});
+  EXPECT_DOUBLE_EQ(plan.costs.core, 10e-3);
+  EXPECT_NEAR(plan.costs.lost, 2e-3, 1e-12);
+  EXPECT_DOUBLE_EQ(plan.costs.coordinator, 100e-6);
+  EXPECT_NEAR(plan.speed_up, 4.0 / 1.2, 1e-9);
+  EXPECT_EQ(plan.limit, "the cores");
+  EXPECT_EQ(plan_of(some_demes(), {.hosts = 4, .cores = 16}).limit, "the number of demes (ga.demes)");
+  const std::string text = to_text(some_demes(), {.hosts = 2, .cores = 2}, plan);
+  EXPECT_NE(text.find("3.3 times"), std::string::npos) << text;
 }
 
 TEST(Team, IsNamedByItsWorkersAndTheirThreads) {
