@@ -60,7 +60,7 @@ Result<PacedDemesRow> measure_team(const std::shared_ptr<const Chain>& chain, st
   PacedDemesRow row;
   row.workers = workers;
   row.demes = settings.population == 0 ? static_cast<std::uint32_t>(workers) : settings.population / kPacedDemeSize;
-  row.demes = std::max(row.demes, 1U);
+  row.demes = std::max(row.demes, 2U);  // one alone is no run in demes
   EvolveConfig config = paced_config(row.demes);
   row.epochs = row.demes * kPacedEpochs;
   row.ideal_seconds = row.epochs * double{kPacedIndividualsPerEpoch} / paced_individuals_per_second(workers, settings);

@@ -32,8 +32,8 @@ struct PacedDemesRow {
   double busy = 0.0;               // of a core: the coordinator's process
 };
 
-// settings.population / kPacedDemeSize demes; 0: one for each worker. REQUIRES: slow_workers <= every number of
-// workers. Errors: as FleetEvaluator; failed: a run ended otherwise than the serial one.
+// settings.population / kPacedDemeSize demes; 0: one for each worker; two at least. REQUIRES: slow_workers <= every
+// number of workers. Errors: as FleetEvaluator; failed: a run ended otherwise than the serial one.
 Result<std::vector<PacedDemesRow>> measure_paced_demes(const std::shared_ptr<const Chain>& chain,
                                                        const PacingSettings& settings, const StopFlag& stop,
                                                        const std::function<void(const PacedDemesRow&)>& done);

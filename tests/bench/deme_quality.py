@@ -83,7 +83,7 @@ def main():
                     answer = json.loads(run([options.coppice, "evolve", study, "--config", recipe, "--serial", "--json", "--seed", str(seed)]
                                             + settings + chosen))
                     seconds.append(time.monotonic() - begin)
-                    evaluations.append(answer["individuals"])
+                    evaluations.append(answer["dispatch"]["individuals"])
                     values.append(worth_of(options.coppice, study, answer))
                 first = first or values
                 low, high = interval_of_difference(values, first)
