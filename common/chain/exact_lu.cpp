@@ -2,6 +2,7 @@
 
 #include <Eigen/KLUSupport>
 #include <Eigen/SparseCore>
+#include <algorithm>
 #include <new>
 
 #include "common/check.hpp"
@@ -20,7 +21,23 @@ struct SparseLu::Klu : Eigen::KLU<Matrix> {
     kluCommon().btf = 0;
     kluCommon().scale = 0;
   }
-  double entries_expected() const { return m_symbolic->lnz + m_symbolic->unz; }
+  // 0: not known, by the order of another.
+  double entries_expected() const { return std::max(0.0, m_symbolic->lnz) + std::max(0.0, m_symbolic->unz); }
+  // As analyzePattern(), in another's order. KLU copies the order.
+  void analyze_alike(const SparseColumns& matrix, const Klu& other) {
+    if (m_symbolic != nullptr) {
+      klu_free_symbolic(&m_symbolic, &m_common);
+    }
+    const auto columns = static_cast<int>(matrix.begin.size() - 1);
+    COPPICE_CHECK(other.m_symbolic != nullptr && other.m_symbolic->n == columns);
+    m_symbolic = klu_analyze_given(columns, const_cast<int*>(matrix.begin.data()), const_cast<int*>(matrix.row.data()),
+                                   other.m_symbolic->Q, other.m_symbolic->Q, &m_common);
+    m_isInitialized = true;
+    m_info = m_symbolic != nullptr ? Eigen::Success : Eigen::InvalidInput;
+    m_analysisIsOk = m_symbolic != nullptr;
+    m_factorizationIsOk = false;
+    m_extractedDataAreDirty = true;
+  }
   // Eigen offers the solution of the system itself only. In place.
   bool solve_transposed(std::vector<double>& b) {
     return klu_tsolve(m_symbolic, m_numeric, static_cast<int>(b.size()), 1, b.data(), &m_common) != 0;
@@ -30,14 +47,22 @@ struct SparseLu::Klu : Eigen::KLU<Matrix> {
 SparseLu::SparseLu() : klu_(std::make_unique<Klu>()) {}
 SparseLu::~SparseLu() = default;
 
-bool SparseLu::factorise(const SparseColumns& matrix) {
+bool SparseLu::factorise(const SparseColumns& matrix) { return factorise(matrix, nullptr); }
+
+bool SparseLu::factorise_alike(const SparseColumns& matrix, const SparseLu& alike) { return factorise(matrix, &alike); }
+
+bool SparseLu::factorise(const SparseColumns& matrix, const SparseLu* alike) {
   if (static_cast<double>(matrix.row.size()) > kMaxFactorEntries) {
     return false;
   }
   const auto columns = static_cast<Eigen::Index>(matrix.begin.size() - 1);
   const Eigen::Map<const Matrix> mapped(columns, columns, static_cast<Eigen::Index>(matrix.row.size()),
                                         matrix.begin.data(), matrix.row.data(), matrix.value.data());
-  klu_->analyzePattern(mapped);
+  if (alike != nullptr) {
+    klu_->analyze_alike(matrix, *alike->klu_);
+  } else {
+    klu_->analyzePattern(mapped);
+  }
   if (klu_->kluCommon().status == KLU_OUT_OF_MEMORY) {
     throw std::bad_alloc();
   }

@@ -20,6 +20,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -38,6 +39,12 @@ class PolicyValue {
   // actions.size() == chain.states(), each at most the number of actions.
   [[nodiscard]] bool solve(std::span<const std::uint8_t> actions, std::span<const double> rewards, double gamma);
 
+  // What solve() would make expected_return(), by less: only the states that the walk can come to are solved. alike:
+  // was solved for actions much the same (another object), whose order of elimination then serves here; may be null.
+  // Nothing: as solve() false. REQUIRES: as solve(). Leaves values() and occupancy() undefined.
+  [[nodiscard]] std::optional<double> return_of(std::span<const std::uint8_t> actions, std::span<const double> rewards,
+                                                double gamma, const PolicyValue* alike);
+
   // Of the last solve(), which was true.
   std::span<const double> values() const { return values_; }        // [states], V
   std::span<const double> occupancy() const { return occupancy_; }  // [states], d; sums to 1
@@ -48,6 +55,8 @@ class PolicyValue {
 
  private:
   void fill_columns(std::span<const std::uint8_t> actions);
+  bool find_walked(std::span<const std::uint8_t> actions);
+  void fill_walked_columns(std::span<const std::uint8_t> actions);
   double next_value(std::size_t state, std::size_t chosen) const;
 
   const Chain& chain_;
@@ -59,6 +68,9 @@ class PolicyValue {
   std::vector<double> occupancy_;
   double mean_value_ = 0.0;  // of V over all states
   double return_ = 0.0;
+  bool whole_ = false;                 // lu_ is of all states
+  std::vector<std::uint32_t> walked_;  // states that the walk comes to, in order
+  std::vector<std::int32_t> place_;    // [states], in walked_; -1: not there
 };
 
 }  // namespace coppice

@@ -12,11 +12,14 @@
 //
 // Ranked are, at every node: another action or condition, a branch (sequence condition action), a choice between two
 // actions, a condition before it, a branch before it, and its removal; in every gap between siblings: an action, a
-// condition, a branch; and all swaps of two siblings. Scratch memory of one thread.
+// condition, a branch; and all swaps of two siblings. Asked for by themselves, because they cost more: edits of two
+// conditions at once (a branch that asks both, or either, and a list of two branches with an action behind them), whose
+// sums are those of one condition taken where the other holds. Scratch memory of one thread.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -38,10 +41,15 @@ struct RankedEdit {
   Tree tree{ActionId{0}};
 };
 
+struct ValueSlots;
+
 class EditRanking {
  public:
   // `chain` outlives this.
   explicit EditRanking(const Chain& chain);
+  EditRanking(const EditRanking&) = delete;
+  EditRanking& operator=(const EditRanking&) = delete;
+  ~EditRanking();
 
   // The `count` best edits of `tree`, the best first; ties: fewer nodes, then in the order of places. Trees are
   // distinct. gains: [states x (actions + 1)], the last column being no action; finite. REQUIRES: check_tree(tree,
@@ -49,16 +57,20 @@ class EditRanking {
   std::vector<RankedEdit> best(const Tree& tree, std::span<const double> gains, const EditLimits& limits,
                                std::size_t count);
 
+  // The same of the edits of two conditions: at every node and in every gap of a selector (sequence c d a) and
+  // (sequence (selector c d) a), at every node (selector (sequence c a) (sequence d b) e), a, b and e being the best
+  // where they act. c and d ask different features.
+  std::vector<RankedEdit> best_of_two_conditions(const Tree& tree, std::span<const double> gains,
+                                                 const EditLimits& limits, std::size_t count);
+
   // What `actions`, an action table, gains. [states]
   double gain_of(std::span<const std::uint8_t> actions, std::span<const double> gains) const;
 
  private:
-  struct Candidate;
   class Pass;
 
   const Chain& chain_;
-  std::vector<std::uint32_t> slot_;        // [states x features], of the state's value among those of all features
-  std::vector<std::uint32_t> first_slot_;  // [features + 1]
+  std::unique_ptr<const ValueSlots> slots_;
 };
 
 }  // namespace coppice

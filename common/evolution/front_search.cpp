@@ -23,10 +23,14 @@
 namespace coppice {
 namespace {
 
-constexpr int kMaxBirths = 6;      // of a child, until it means something new
-constexpr double kWeighted = 0.5;  // probability that a parent is chosen by weights
-constexpr double kAround = 0.5;    // probability that a climb begins towards random weights
-constexpr double kPairs = 0.25;    // probability that a climb tries two edits at a time
+constexpr int kMaxBirths = 6;       // of a child, until it means something new
+constexpr double kWeighted = 0.5;   // probability that a parent is chosen by weights
+constexpr double kAround = 0.5;     // probability that a climb begins towards random weights
+constexpr double kPairs = 0.25;     // probability that a climb tries two edits at a time
+constexpr double kExploring = 4e6;  // states that the beam may solve for, about
+constexpr double kLeaping = 4e6;    // the same of the leaps of one climb
+constexpr double kFewestEvaluations = 300;
+constexpr double kMostEvaluations = 10'000;
 
 // The smallest tree of each meaning that there is: a hash table without a node for each entry, since one is made for
 // every generation.
@@ -192,7 +196,54 @@ class FrontSearch : public DemeSearch {
     for (std::size_t i = 0; i < std::min(kept.size(), trees.size()) && in_last_part(generation); ++i) {
       trees[i] = kept[i].tree;
     }
+    explore(trees);
     return trees;
+  }
+
+  // What a beam finds takes the place of up to half of the trees.
+  void explore(std::vector<Tree>& trees) {
+    if (guide_ == nullptr || number_ != 0) {
+      return;
+    }
+    std::size_t slot = trees.size() / 2;
+    for (Tree& found : guide_->explore(gauge_.worth(towards_first()), edit_limits(), evaluations_of(kExploring))) {
+      if (slot < trees.size() && breeding_.within_limits(found)) {
+        trees[slot] = std::move(found);
+        ++slot;
+      }
+    }
+  }
+
+  // Halfway and at the end: from the best by the first of the objectives a climb that also leaps.
+  void climb_from_best(Known& known, std::vector<Tree>& children) {
+    const std::uint32_t after = generations_ + 1;
+    const std::vector<FrontIndividual>& kept = archive_.members();
+    if (guide_ == nullptr || number_ != 0 || kept.empty() ||
+        (after != config_.ga.generations && after != config_.ga.generations / 2)) {
+      return;
+    }
+    const auto best = std::min_element(kept.begin(), kept.end(),
+                                       [](const auto& a, const auto& b) { return a.costs.front() < b.costs.front(); });
+    Tree climbed = guide_->climb(best->tree, gauge_.worth(towards_first()), edit_limits(),
+                                 {.steps = config_.ga.guided_steps, .pairs = true, .leaps = evaluations_of(kLeaping)});
+    if (const Meaning reached = meanings_.of(climbed);
+        breeding_.within_limits(climbed) && known.add(reached, climbed.size())) {
+      children.back() = std::move(climbed);
+      bred_.back() = reached;
+    }
+  }
+
+  // [costs]
+  std::vector<double> towards_first() const {
+    std::vector<double> first(costs(), 0.0);
+    first.front() = 1.0;
+    return first;
+  }
+
+  // So many states may be solved for, whatever the chain's size.
+  std::uint64_t evaluations_of(double states) const {
+    return static_cast<std::uint64_t>(
+        std::clamp(states / static_cast<double>(chain_.states()), kFewestEvaluations, kMostEvaluations));
   }
 
   std::vector<Tree> breed(std::uint32_t generation) {
@@ -236,6 +287,7 @@ class FrontSearch : public DemeSearch {
       children.push_back(std::move(child));
       bred_.push_back(meaning);
     }
+    climb_from_best(known, children);
     return children;
   }
 
@@ -251,10 +303,8 @@ class FrontSearch : public DemeSearch {
       draw_weights(stream, weights);
       climbed = guide_->climb(climbed, gauge_.worth(population.by_range(weights)), edit_limits(), effort);
     }
-    std::vector<double> first(costs(), 0.0);
-    first.front() = 1.0;
     effort.pairs = stream.chance(kPairs);
-    climbed = guide_->climb(climbed, gauge_.worth(population.by_range(first)), edit_limits(), effort);
+    climbed = guide_->climb(climbed, gauge_.worth(population.by_range(towards_first())), edit_limits(), effort);
     if (!breeding_.within_limits(climbed)) {
       return;
     }

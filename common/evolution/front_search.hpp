@@ -9,7 +9,8 @@
 //   children   crossover and mutation, or, a share of them, edits of good trees: of the front in the last part
 //
 //   climbs     a share of the children go on by guided edits, as far as these lead (guided_climb.hpp): half of them
-//              first towards weights drawn for them, then all towards the first of the objectives
+//              first towards weights drawn for them, then all towards the first of the objectives; the first generation
+//              has what a beam of such climbs found, and halfway and at the end the best goes on by leaps
 //
 //   no two     individuals of a generation mean the same on the chain, unless the later one is smaller
 //

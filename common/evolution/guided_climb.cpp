@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <utility>
 
 #include "common/chain/exact.hpp"
@@ -75,17 +76,44 @@ void GuidedClimb::fill(const Tree& tree, std::vector<std::uint8_t>& actions) con
   fill_action_table(tree, columns_, static_cast<std::uint8_t>(chain_.actions()), actions);
 }
 
-// False: it cannot be solved.
-bool GuidedClimb::evaluate(PolicyValue& value, std::span<const std::uint8_t> actions, double& worth) {
-  worth = ranking_.gain_of(actions, states_);
+// Forgets what was tried under other weights.
+void GuidedClimb::begin(std::span<const double> worth) {
+  weigh(worth);
+  known_.clear();
+  passed_.clear();
+}
+
+// Nothing: it cannot be solved.
+std::optional<double> GuidedClimb::worth_of(std::span<const std::uint8_t> actions) {
+  double worth = ranking_.gain_of(actions, states_);
   if (walks_) {
     ++solved_;
-    if (!value.solve(actions, walk_, gamma_)) {
-      return false;
+    const auto walk = next_->return_of(actions, walk_, gamma_, solved_now_ ? now_.get() : nullptr);
+    if (!walk) {
+      return std::nullopt;
     }
-    worth += (1.0 - gamma_) * value.expected_return();
+    worth += (1.0 - gamma_) * *walk;
   }
-  return true;
+  return worth;
+}
+
+// Makes the tree what gains are measured against. Nothing: it cannot be solved.
+std::optional<double> GuidedClimb::stand_on(const Tree& tree) {
+  fill(tree, actions_);
+  double worth = ranking_.gain_of(actions_, states_);
+  if (walks_) {
+    ++solved_;
+    solved_now_ = now_->solve(actions_, walk_, gamma_);
+    if (!solved_now_) {
+      return std::nullopt;
+    }
+    worth += (1.0 - gamma_) * now_->expected_return();
+  }
+  find_gains();
+  const Meaning meaning = meaning_of(actions_);
+  known_.emplace(meaning, worth);
+  passed_.insert(meaning);
+  return worth;
 }
 
 void GuidedClimb::find_gains() {
@@ -130,45 +158,59 @@ std::vector<RankedEdit> GuidedClimb::pairs(const Tree& tree, const EditLimits& l
 }
 
 // Takes the first of these that improves, if any does.
-bool GuidedClimb::step_up(std::vector<RankedEdit> edits, Tree& tree, double& reached) {
-  const double scale = std::max(std::abs(reached), kSmallestWorth);
+bool GuidedClimb::step_up(std::vector<RankedEdit> edits, Reached& reached, std::size_t tries) {
+  const double scale = std::max(std::abs(reached.worth), kSmallestWorth);
   for (RankedEdit& edit : edits) {
-    if (edit.gain <= kLeastFirstOrder * scale) {
+    if (edit.gain <= kLeastFirstOrder * scale || tries == 0) {
       break;
     }
+    --tries;
     fill(edit.tree, tried_);
-    double tried = 0.0;
-    if (known_.insert(meaning_of(tried_)).second && evaluate(*next_, tried_, tried) &&
-        tried > reached + kLeastGain * scale) {
-      tree = std::move(edit.tree);
-      reached = tried;
-      std::swap(now_, next_);
-      std::swap(actions_, tried_);
+    const Meaning meaning = meaning_of(tried_);
+    auto known = known_.find(meaning);
+    if (known == known_.end()) {
+      const auto worth = worth_of(tried_);
+      known = known_.emplace(meaning, worth ? *worth : std::numeric_limits<double>::lowest()).first;
+    }
+    if (known->second > reached.worth + kLeastGain * scale) {
+      reached = {std::move(edit.tree), known->second};
       return true;
     }
   }
   return false;
 }
 
-Tree GuidedClimb::climb(const Tree& start, std::span<const double> worth, const EditLimits& limits,
-                        const Effort& effort) {
-  weigh(worth);
-  known_.clear();
-  Tree tree = start;
-  fill(tree, actions_);
-  known_.insert(meaning_of(actions_));
-  double reached = 0.0;
-  if (!evaluate(*now_, actions_, reached)) {
-    return tree;
-  }
-  for (std::uint32_t step = 0; step < effort.steps; ++step) {
-    find_gains();
-    if (!step_up(ranking_.best(tree, gains_, limits, kTries), tree, reached) &&
-        !(effort.pairs && step_up(pairs(tree, limits), tree, reached))) {
-      break;
+// REQUIRES: stand_on(reached.tree) came last.
+void GuidedClimb::ascend(Reached& reached, const EditLimits& limits, const Ascent& ascent) {
+  for (std::uint32_t step = 0; step < ascent.steps; ++step) {
+    if (!step_up(ranking_.best(reached.tree, gains_, limits, ascent.tries), reached, ascent.tries) &&
+        !(ascent.pairs && step_up(pairs(reached.tree, limits), reached, kTries)) &&
+        !(ascent.pairs &&
+          step_up(ranking_.best_of_two_conditions(reached.tree, gains_, limits, kTries), reached, kTries))) {
+      return;
+    }
+    fill(reached.tree, actions_);
+    const bool been_here = passed_.count(meaning_of(actions_)) > 0;
+    if ((ascent.merges && been_here) || !stand_on(reached.tree)) {
+      return;
     }
   }
-  return tree;
+}
+
+Tree GuidedClimb::climb(const Tree& start, std::span<const double> worth, const EditLimits& limits,
+                        const Effort& effort) {
+  begin(worth);
+  Reached reached{start, 0.0};
+  const auto at_start = stand_on(start);
+  if (!at_start) {
+    return start;
+  }
+  reached.worth = *at_start;
+  ascend(reached, limits, {.steps = effort.steps, .tries = kTries, .pairs = effort.pairs, .merges = false});
+  const std::uint64_t until = solved_ + effort.leaps;
+  while (effort.leaps > 0 && solved_ < until && leap(reached, limits, until)) {
+  }
+  return reached.tree;
 }
 
 }  // namespace coppice

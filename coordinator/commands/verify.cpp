@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "common/chain/exact.hpp"
 #include "common/tree/text.hpp"
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/simulate_option.hpp"
@@ -25,6 +26,7 @@ struct Options {
   std::vector<std::string> events;
   SimulateOption simulate;  // its steps and seed are those of the chain too
   std::uint32_t resamples = VerifySettings{}.resamples;
+  std::uint64_t bound = 20'000;
   bool json = false;
 };
 
@@ -110,11 +112,22 @@ Result<void> verify_command(const Options& options, const StopFlag& stop) {
   if (!verification) {
     return tl::unexpected(verification.error());
   }
+  std::optional<SizeBound> bound;
+  if (const auto discount = study.problem().discount; discount && *discount <= kMaxGamma && options.bound > 0) {
+    auto found = bound_of_size(chain, tree, *discount, options.bound, [&] { return !stop.raised(); });
+    if (!found) {
+      return tl::unexpected(found.error());
+    }
+    bound = *found;
+  }
   std::size_t broken = 0;
   nlohmann::ordered_json json = {{"tree", to_text(tree, chain.vocabulary())}};
   json.update(to_json(*verification, beside));
+  if (bound) {
+    json["of_its_size"] = to_json(*bound);
+  }
   json["rules"] = nlohmann::ordered_json::array();
-  std::string text = to_text(*verification, beside);
+  std::string text = to_text(*verification, beside) + (bound ? to_text(*bound) : std::string());
   for (const CheckedRule& answer : answers) {
     broken += answer.answer.holds() ? 0U : 1U;
     json["rules"].push_back(to_json(answer, tree, chain));
@@ -147,6 +160,13 @@ void add_verify(CLI::App& app, Invocation& invocation) {
       ->type_name("NAME:reward<=NUMBER")
       ->allow_extra_args(false);
   command->add_option("--resamples", options->resamples, "Draws from the counts' posterior behind an interval")
+      ->check(whole_number())
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--bound", options->bound,
+          "Where the problem was solved with a discount: look for the most that a tree of so many conditions can "
+          "earn, by so many solutions at most; 0: not")
       ->check(whole_number())
       ->capture_default_str();
   add_simulate_option(

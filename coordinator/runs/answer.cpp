@@ -19,12 +19,18 @@
 namespace coppice {
 namespace {
 
-constexpr std::size_t kMostTried = 40;                                 // trees of a front that run in the simulator
-constexpr std::array<std::uint64_t, 4> kRounds = {40, 160, 400, 800};  // episodes of each, all rounds before included
-constexpr std::size_t kNeverDropped = 3;                               // that a round leaves at least
-constexpr std::uint64_t kRaceEpisodes = std::uint64_t{1} << 40U;       // where the numbers of the race's episodes begin
-constexpr std::uint64_t kFreshEpisodes = std::uint64_t{1} << 41U;      // of those that measure the answer
-constexpr std::uint64_t kFresh = 500;                                  // how many measure it
+// How much a race may take. A step of our own worlds takes a tenth of a microsecond; of a problem's own simulator, a
+// program that speaks JSON, tens of microseconds, and it is started for every tree.
+struct RaceSize {
+  std::size_t most_tried;               // trees of a front
+  std::array<std::uint64_t, 4> rounds;  // episodes of each tree, all rounds before included
+  std::uint64_t fresh;                  // episodes that measure the answer
+};
+constexpr RaceSize kInside = {40, {40, 160, 400, 800}, 500};
+constexpr RaceSize kOutside = {16, {10, 30, 100, 200}, 200};
+constexpr std::size_t kNeverDropped = 3;                           // that a round leaves at least
+constexpr std::uint64_t kRaceEpisodes = std::uint64_t{1} << 40U;   // where the numbers of the race's episodes begin
+constexpr std::uint64_t kFreshEpisodes = std::uint64_t{1} << 41U;  // of those that measure the answer
 constexpr double kEnough = 0.9;      // share of the policy's reward below which a tree is not good enough
 constexpr double kNearlyAll = 0.97;  // the same that is asked of the smallest tree
 constexpr double kUnmeasured = std::numeric_limits<double>::quiet_NaN();
@@ -198,8 +204,10 @@ class Choice {
         config_(config),
         progress_(progress),
         chain_(study, front, config),
+        outside_(!study.problem().simulator.empty()),
+        size_(outside_ ? kOutside : kInside),
         settings_{.episodes = 0,
-                  .steps = has_simulator(study) ? learned_steps(study) : config.rollout.steps,
+                  .steps = has_simulator(study) && !outside_ ? learned_steps(study) : config.rollout.steps,
                   .seed = config.seed,
                   .stop = progress.stop} {}
 
@@ -249,7 +257,7 @@ class Choice {
  private:
   // On episodes that had no say in the race.
   Result<void> measure_afresh(Answer& answer) {
-    settings_.episodes = kFresh;
+    settings_.episodes = size_.fresh;
     settings_.first_episode = kFreshEpisodes;
     const auto tree =
         simulate_tree(*world_, study_.chain(), front_.members[answer.member].tree, settings_, progress_.go_on);
@@ -260,7 +268,7 @@ class Choice {
     if (!policy) {
       return tl::unexpected(policy.error());
     }
-    answer.episodes = kFresh;
+    answer.episodes = size_.fresh;
     answer.tree = worth_of(*tree);
     answer.policy = worth_of(*policy);
     return {};
@@ -297,10 +305,10 @@ class Choice {
       orders.push_back(all);
     }
     std::vector<bool> taken(front_.members.size(), false);
-    for (std::size_t rank = 0; rank < front_.members.size() && candidates_.size() < kMostTried; ++rank) {
+    for (std::size_t rank = 0; rank < front_.members.size() && candidates_.size() < size_.most_tried; ++rank) {
       for (const std::vector<std::size_t>& order : orders) {
         const std::size_t member = order[rank];
-        if (!taken[member] && candidates_.size() < kMostTried) {
+        if (!taken[member] && candidates_.size() < size_.most_tried) {
           taken[member] = true;
           candidates_.push_back({.member = member,
                                  .nodes = front_.members[member].tree.size(),
@@ -317,7 +325,7 @@ class Choice {
   Result<void> race() {
     settings_.first_episode = kRaceEpisodes;
     std::vector<EpisodeRecord> of_policy;
-    for (const std::uint64_t until : kRounds) {
+    for (const std::uint64_t until : size_.rounds) {
       settings_.episodes = until - (settings_.first_episode - kRaceEpisodes);
       auto policy = simulate_policy(*world_, study_.chain(), settings_, progress_.go_on);
       if (!policy) {
@@ -338,6 +346,9 @@ class Choice {
       keep_safe();
       sort();
       drop_the_worse();
+      if (candidates_.size() == 1) {
+        break;
+      }
     }
     return {};
   }
@@ -363,10 +374,23 @@ class Choice {
     });
   }
 
+  // Whether the candidate has done in every episode what the other did, and is no smaller: where all are perfect, say.
+  bool no_other(const Candidate& other, const Candidate& candidate) const {
+    const auto same = [](const EpisodeRecord& a, const EpisodeRecord& b) {
+      return a.reward == b.reward && a.steps == b.steps && a.matches == b.matches && a.collisions == b.collisions;
+    };
+    return other.nodes <= candidate.nodes && other.coverage >= candidate.coverage &&
+           std::equal(other.episodes.begin(), other.episodes.end(), candidate.episodes.begin(),
+                      candidate.episodes.end(), same);
+  }
+
   void drop_the_worse() {
     const Preference preference(config_.front.prefer, policy_);
     std::vector<Candidate> kept;
     for (Candidate& candidate : candidates_) {
+      if (std::any_of(kept.begin(), kept.end(), [&](const Candidate& other) { return no_other(other, candidate); })) {
+        continue;
+      }
       if (kept.size() < kNeverDropped ||
           (config_.front.prefer == Prefer::size && preference.of(candidate).first > 0.0) ||
           (config_.front.prefer != Prefer::size && preference.in_question(candidate, kept.front()))) {
@@ -430,6 +454,8 @@ class Choice {
   const EvolveConfig& config_;
   const AnswerProgress& progress_;
   OnChain chain_;
+  bool outside_;  // the problem has a simulator of its own
+  RaceSize size_;
   SimulateSettings settings_;
   std::optional<World> world_;
   std::vector<Candidate> candidates_;

@@ -2,8 +2,9 @@
 // front run in it, over the same episodes for all of them, more episodes for those that are still in question: a race
 // (Maron and Moore, "Hoeffding races", NIPS 1993; Birattari and others, "A racing algorithm for configuring
 // metaheuristics", GECCO 2002), by paired differences, for trees that meet the same luck differ by less than their
-// rewards do. Its figures are then measured on episodes that chose nothing. Without a simulator the chain decides, by
-// what was computed on it.
+// rewards do. Its figures are then measured on episodes that chose nothing. Fewer trees and episodes where the
+// simulator is a program of the problem's own, in which a step costs a hundred times as much. Without a simulator the
+// chain decides, by what was computed on it.
 //
 // First come the trees that are as safe as the policy: no collision where the policy has none, or not more than it has
 // within the interval. Among these a preference decides:

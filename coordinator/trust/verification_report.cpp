@@ -16,8 +16,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kName = 46;
-constexpr std::size_t kCell = 32;
+constexpr std::size_t kNameWidth = 46;
+constexpr std::size_t kCellWidth = 32;
 
 std::string percent(double share) {
   if (share == 0.0 || share == 1.0) {
@@ -40,7 +40,7 @@ std::string cell(const std::optional<Figure>& figure, const Text& text, const ch
 }
 
 std::string row(const std::string& name, const std::string& ours, const std::string& simulator) {
-  std::string line = fmt::format("  {:<{}}{:<{}}{}", name, kName, ours, kCell, simulator);
+  std::string line = fmt::format("  {:<{}}{:<{}}{}", name, kNameWidth, ours, kCellWidth, simulator);
   line.erase(line.find_last_not_of(' ') + 1);
   return line + '\n';
 }
@@ -219,6 +219,24 @@ std::string to_text(const Verification& verification, const std::optional<Simula
   return text;
 }
 
+std::string to_text(const SizeBound& bound) {
+  std::string text = fmt::format(
+      "discounted by {}: {:.6g}; the policy {:.6g} ({:+.3g}), any policy at most {:.6g} ({:+.3g})\n", bound.gamma,
+      bound.tree, bound.policy, bound.tree - bound.policy, bound.any_policy, bound.tree - bound.any_policy);
+  const std::string size = counted(bound.conditions, "condition");
+  if (bound.tree_is_best()) {
+    text += fmt::format("  no tree of {} earns more: proved over all {:.0f} sets of them\n", size, bound.sets);
+  } else if (bound.closed) {
+    text += fmt::format("  no tree of {} earns more than {:.6g} ({:+.3g}): proved over all {:.0f} sets of them\n", size,
+                        bound.most, bound.tree - bound.most, bound.sets);
+  } else {
+    text += fmt::format("  what the best tree of {} earns was not found: {:.4g} sets of them, {}\n", size, bound.sets,
+                        bound.solved > 1 ? fmt::format("{} solutions were not enough (--bound)", bound.solved)
+                                         : std::string("more than --bound"));
+  }
+  return text;
+}
+
 std::string to_text(const CheckedRule& checked, const Tree& tree, const Chain& chain, const Problem& problem) {
   const Vocabulary& vocabulary = chain.vocabulary();
   const RuleAnswer& answer = checked.answer;
@@ -273,6 +291,19 @@ Json to_json(const Verification& verification, const std::optional<Simulated>& s
                          {"reward_per_episode", json_of(simulated->reward)}};
   }
   return json;
+}
+
+Json to_json(const SizeBound& bound) {
+  return {{"gamma", bound.gamma},
+          {"tree", bound.tree},
+          {"policy", bound.policy},
+          {"any_policy", bound.any_policy},
+          {"conditions", bound.conditions},
+          {"sets_of_conditions", bound.sets},
+          {"solved", bound.solved},
+          {"closed", bound.closed},
+          {"most", bound.most},
+          {"tree_is_best", bound.tree_is_best()}};
 }
 
 Json to_json(const CheckedRule& checked, const Tree& tree, const Chain& chain) {

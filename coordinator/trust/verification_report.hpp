@@ -10,6 +10,7 @@
 #include "common/tree/tree.hpp"
 #include "coordinator/problem/problem.hpp"
 #include "coordinator/trust/rule_check.hpp"
+#include "coordinator/trust/size_bound.hpp"
 #include "coordinator/trust/verification.hpp"
 
 namespace coppice {
@@ -27,8 +28,10 @@ Result<CheckedRule> check_on(const Rule& rule, const Tree& tree, const Chain& ch
 
 // Lines. `simulated`: beside the chain's figures those of the simulator.
 std::string to_text(const Verification& verification, const std::optional<Simulated>& simulated);
+std::string to_text(const SizeBound& bound);
 std::string to_text(const CheckedRule& checked, const Tree& tree, const Chain& chain, const Problem& problem);
 nlohmann::ordered_json to_json(const Verification& verification, const std::optional<Simulated>& simulated);
+nlohmann::ordered_json to_json(const SizeBound& bound);
 nlohmann::ordered_json to_json(const CheckedRule& checked, const Tree& tree, const Chain& chain);
 
 // The tree as lines of "number, indent, node", the numbers being what other commands call nodes by; behind a condition

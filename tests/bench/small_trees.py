@@ -6,7 +6,8 @@ tests with several seeds, recomputes each tree's expected discounted return by `
 
 A model's name is its file's. What is published is for decision trees of depth d, which have at most 2^d - 1 tests: Andriushchenko,
 Ceska, Junges and Macak, CAV 2025, artifact, original-logs/final-merge.csv (OMDT: Vos and Verwer, IJCAI 2023; dtPAYNT), discount 0.99,
-up to 1200 s a cell on another machine. Ours have as many conditions at most, and at most 4 nodes a test and one.
+up to 1200 s a cell on another machine. Ours have as many conditions at most, and at most 4 nodes a test and one. The artifact's models
+have an action more, __random__ (all actions with equal probability), which its trees may take; --random leaves it to ours, too.
 """
 import argparse
 import json
@@ -54,6 +55,7 @@ def main():
     parser.add_argument("--depths", nargs="+", type=int, default=[1, 2, 3, 4, 5, 6])
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
+    parser.add_argument("--random", action="store_true", help="keep the action __random__")
     parser.add_argument("--coppice", default="build/release/bin/coppice", metavar="PROGRAM")
     options = parser.parse_args()
     settings = [word for setting in options.set for word in ("--set", setting)]
@@ -65,7 +67,7 @@ def main():
             name = os.path.splitext(os.path.basename(path))[0]
             values, optimum = PUBLISHED.get(name, ([], None))
             study = os.path.join(folder, name + ".coppice")
-            run([options.coppice, "import", path, "-o", study, "--solve", "--gamma", str(DISCOUNT), "--without", "__random__"])
+            run([options.coppice, "import", path, "-o", study, "--solve", "--gamma", str(DISCOUNT)] + ([] if options.random else ["--without", "__random__"]))
             for depth in options.depths:
                 tests = 2 ** depth - 1
                 found = []

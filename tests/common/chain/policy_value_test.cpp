@@ -1,7 +1,9 @@
 #include "common/chain/policy_value.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <utility>
 #include <vector>
 
 #include "common/chain/exact.hpp"
@@ -129,6 +131,32 @@ TEST(PolicyValue, tells_the_first_order_change_of_any_one_state) {
     // One state changes: the sign is exact (policy improvement), the size up to how much more it is visited then.
     EXPECT_GE(promised * gained, -1e-18);
     EXPECT_LE(std::abs(gained), std::abs(promised) / (1.0 - kGamma) + 1e-9);
+  }
+}
+
+TEST(PolicyValue, gives_the_return_alone_from_the_states_that_the_walk_comes_to) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    Asked a = asked(seed);
+    if (seed % 2 == 0) {  // only what was tried: the walk stays among the states that it can come to
+      for (std::size_t s = 0; s < a.actions.size(); ++s) {
+        while (a.actions[s] < 3 && a.chain.tries(a.chain.row(s, ActionId{a.actions[s]})) == 0) {
+          ++a.actions[s];
+        }
+      }
+    }
+    PolicyValue standing(a.chain);
+    ASSERT_TRUE(standing.solve(a.others, a.rewards, kGamma));
+    PolicyValue value(a.chain);
+    for (const PolicyValue* alike : {static_cast<const PolicyValue*>(nullptr), &std::as_const(standing)}) {
+      const auto alone = value.return_of(a.actions, a.rewards, kGamma, alike);
+      ASSERT_TRUE(alone.has_value());
+      EXPECT_NEAR(*alone, return_of(a, a.actions), 1e-9);
+    }
+    // Held where it starts: nothing else is walked.
+    std::fill(a.actions.begin(), a.actions.end(), std::uint8_t{3});
+    const auto held = value.return_of(a.actions, a.rewards, kGamma, &standing);
+    ASSERT_TRUE(held.has_value());
+    EXPECT_NEAR(*held, return_of(a, a.actions), 1e-9);
   }
 }
 

@@ -139,6 +139,78 @@ TEST_F(EditRankingTest, finds_nothing_worse_than_the_best_of_all_edits_made_by_h
   }
 }
 
+TEST_F(EditRankingTest,
+       promises_of_edits_of_two_conditions_what_ticking_gives_and_finds_the_best_of_those_made_by_hand) {
+  std::vector<Node> conditions;
+  std::vector<TreeDraft> actions;
+  for (const Node& leaf : leaves()) {
+    if (leaf.kind == NodeKind::condition) {
+      conditions.push_back(leaf);
+    } else {
+      actions.push_back({leaf});
+    }
+  }
+  const auto sequence = [](std::vector<TreeDraft> children) {
+    return TreeDraft{Node::composite(NodeKind::sequence, 1), std::move(children)};
+  };
+  const auto selector = [](std::vector<TreeDraft> children) {
+    return TreeDraft{Node::composite(NodeKind::selector, 1), std::move(children)};
+  };
+  // (sequence c d a), (sequence (selector c d) a) and (selector (sequence c a) (sequence d b) e).
+  std::vector<TreeDraft> branches;
+  std::vector<TreeDraft> lists;
+  for (const Node& c : conditions) {
+    for (const Node& d : conditions) {
+      if (c.index == d.index) {
+        continue;
+      }
+      for (const TreeDraft& a : actions) {
+        branches.push_back(sequence({{c}, {d}, a}));
+        branches.push_back(sequence({selector({{c}, {d}}), a}));
+        for (const TreeDraft& b : actions) {
+          for (const TreeDraft& e : actions) {
+            lists.push_back(selector({sequence({{c}, a}), sequence({{d}, b}), e}));
+          }
+        }
+      }
+    }
+  }
+  std::size_t trees = 0;
+  for (const Tree& tree : oracles::random_trees(chain_.vocabulary(), 60, 31)) {
+    if (tree.size() > 9) {
+      continue;
+    }
+    ++trees;
+    double best = -1e300;
+    const auto measure = [&](const auto& change) {
+      TreeDraft draft = TreeDraft::of(tree.nodes());
+      change(draft);
+      draft.tidy();
+      if (const auto finished = draft.finished(); finished && !(*finished == tree)) {
+        best = std::max(best, ticked_gain(*finished));
+      }
+    };
+    // At the root, and in the gaps of a root that is a selector.
+    for (const TreeDraft& list : lists) {
+      measure([&](TreeDraft& draft) { draft = list; });
+    }
+    for (const TreeDraft& branch : branches) {
+      measure([&](TreeDraft& draft) { draft = branch; });
+      const std::size_t gaps = tree[0].kind == NodeKind::selector ? child_count(tree.nodes()) + 1 : 0;
+      for (std::size_t gap = 0; gap < gaps; ++gap) {
+        measure([&](TreeDraft& draft) { draft.insert(gap, branch); });
+      }
+    }
+    const auto edits = ranking_.best_of_two_conditions(tree, gains_, {}, 10);
+    ASSERT_FALSE(edits.empty());
+    EXPECT_GE(edits.front().gain, best - 1e-6);
+    for (const RankedEdit& edit : edits) {
+      EXPECT_NEAR(edit.gain, ticked_gain(edit.tree), 1e-6);
+    }
+  }
+  EXPECT_GE(trees, 5U);
+}
+
 TEST_F(EditRankingTest, keeps_within_the_limits) {
   for (const Tree& tree : oracles::random_trees(chain_.vocabulary(), 60, 13)) {
     const EditLimits limits{.max_nodes = tree.size(), .max_conditions = condition_count(tree.nodes())};
@@ -152,11 +224,18 @@ TEST_F(EditRankingTest, keeps_within_the_limits) {
 
 TEST_F(EditRankingTest, keeps_a_guarded_tree_guarded) {
   Xoshiro256 random(17);
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 40; ++i) {
     const Tree tree = grow_guarded_tree(chain_.vocabulary(), {.max_depth = 6, .max_children = 5, .max_nodes = 30},
                                         [&](std::uint64_t n) { return random.below(n); });
     ASSERT_TRUE(is_guarded(tree));
-    for (const RankedEdit& edit : ranking_.best(tree, gains_, {.guarded = true}, 60)) {
+    auto edits = ranking_.best(tree, gains_, {.guarded = true}, 60);
+    for (RankedEdit& edit : ranking_.best_of_two_conditions(tree, gains_, {.guarded = true}, 30)) {
+      for (RankedEdit& next : ranking_.best(edit.tree, gains_, {.guarded = true}, 20)) {  // its (selector c d), too
+        edits.push_back(std::move(next));
+      }
+      edits.push_back(std::move(edit));
+    }
+    for (const RankedEdit& edit : edits) {
       EXPECT_TRUE(is_guarded(edit.tree));
       EXPECT_NEAR(edit.gain, ticked_gain(edit.tree), 1e-6);
     }

@@ -116,10 +116,64 @@ TEST_F(GuidedClimbTest, finds_the_best_tree_of_one_condition_that_there_is) {
   EXPECT_GE(found, best - 1e-9);
 }
 
+TEST_F(GuidedClimbTest, explores_to_the_best_list_of_two_conditions_that_there_is) {
+  std::vector<Node> conditions;
+  for (std::size_t f = 0; f < chain_.vocabulary().features.size(); ++f) {
+    for (const std::uint8_t value : chain_.vocabulary().features[f].values) {
+      conditions.push_back(Node::condition(f, Op::equal, value));
+    }
+  }
+  const auto action = [](std::size_t a) { return Node::action(ActionId{static_cast<std::uint8_t>(a)}); };
+  double best = -1e300;
+  for (const Node& c : conditions) {
+    for (const Node& d : conditions) {
+      for (std::size_t which = 0; which < 27; ++which) {
+        const auto tree = Tree::from_nodes(
+            {Node::composite(NodeKind::selector, 8), Node::composite(NodeKind::sequence, 3), c, action(which % 3),
+             Node::composite(NodeKind::sequence, 3), d, action(which / 3 % 3), action(which / 9)});
+        ASSERT_TRUE(tree.has_value());
+        best = std::max(best, mean_reward(*tree));
+      }
+    }
+  }
+  const EditLimits limits{.max_nodes = 9, .max_conditions = 2};
+  const std::vector<Tree> found = climb_->explore(std::vector<double>{0.0, 1.0}, limits, 100'000);
+  ASSERT_FALSE(found.empty());
+  EXPECT_GE(mean_reward(found.front()), best - 1e-9);
+  for (const Tree& tree : found) {
+    EXPECT_LE(tree.size(), limits.max_nodes);
+    EXPECT_LE(condition_count(tree.nodes()), limits.max_conditions);
+    EXPECT_GE(mean_reward(found.front()), mean_reward(tree) - 1e-9) << "the best comes first";
+  }
+}
+
+TEST_F(GuidedClimbTest, leaps_from_where_no_edit_helps) {
+  const EditLimits limits{.max_nodes = 13, .max_conditions = 3};
+  const std::vector<double> reward = {0.0, 1.0};
+  std::size_t higher = 0;
+  for (const Tree& start : oracles::random_trees(chain_.vocabulary(), 40, 23)) {
+    if (start.size() > limits.max_nodes || condition_count(start.nodes()) > limits.max_conditions) {
+      continue;
+    }
+    const Tree without = climb_->climb(start, reward, limits, {.steps = 100, .pairs = false});
+    const Tree with = climb_->climb(start, reward, limits, {.steps = 100, .pairs = false, .leaps = 3000});
+    EXPECT_GE(mean_reward(with), mean_reward(without) - 1e-9);
+    EXPECT_LE(with.size(), limits.max_nodes);
+    EXPECT_LE(condition_count(with.nodes()), limits.max_conditions);
+    higher += mean_reward(with) > mean_reward(without) + 1e-6 ? 1 : 0;
+  }
+  EXPECT_GT(higher, 0U);
+}
+
 TEST_F(GuidedClimbTest, keeps_a_guarded_tree_guarded) {
   const Tree end = climb_->climb(Tree{ActionId{1}}, std::vector<double>{0.5, 1.0},
-                                 {.max_nodes = 30, .max_conditions = 10, .guarded = true}, {.steps = 100});
+                                 {.max_nodes = 30, .max_conditions = 10, .guarded = true},
+                                 {.steps = 100, .pairs = true, .leaps = 1000});
   EXPECT_TRUE(is_guarded(end));
+  for (const Tree& tree :
+       climb_->explore(std::vector<double>{0.5, 1.0}, {.max_nodes = 20, .max_conditions = 4, .guarded = true}, 2000)) {
+    EXPECT_TRUE(is_guarded(tree));
+  }
   EXPECT_GT(end.size(), 1U);
 }
 

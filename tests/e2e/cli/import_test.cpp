@@ -115,5 +115,26 @@ TEST_F(ImportCommand, ALogOfContinuousReadingsGivesTreesInTheirOwnUnit) {
   EXPECT_NE(evaluated.output.find("angle<=0.0415"), std::string::npos) << evaluated.output;
 }
 
+TEST_F(ImportCommand, VerifySaysHowFarATreeIsFromTheBestOfItsSize) {
+  write("corridor.drn", kCorridor);
+  const auto imported =
+      coppice_json({"import", "corridor.drn", "-o", "c.coppice", "--solve", "--gamma", "0.9", "--json"});
+  const auto verified = [&](const char* tree) {
+    return coppice_json({"verify", "c.coppice", "--tree", tree, "--resamples", "20", "--json"})["of_its_size"];
+  };
+  const auto right = verified("right");
+  EXPECT_EQ(right["conditions"], 0);
+  EXPECT_EQ(right["closed"], true);
+  EXPECT_EQ(right["tree_is_best"], true);
+  EXPECT_NEAR(right["tree"].get<double>(), imported["value"].get<double>(), 1e-6);
+  const auto left = verified("left");
+  EXPECT_EQ(left["tree_is_best"], false);
+  EXPECT_NEAR(left["most"].get<double>(), right["tree"].get<double>(), 1e-6) << "an action alone may earn that";
+  EXPECT_NEAR(left["tree"].get<double>(), -10.0, 1e-6) << "-1 a step for ever, discounted by 0.9";
+  const Completed text = coppice({"verify", "c.coppice", "--tree", "right", "--resamples", "20"});
+  EXPECT_NE(text.output.find("no tree of 0 conditions earns more: proved over all 1 sets"), std::string::npos)
+      << text.output;
+}
+
 }  // namespace
 }  // namespace coppice::e2e
