@@ -8,8 +8,8 @@ policy, imports the log, evolves, exports, and plays 100 fresh episodes with eac
     tests/bench/continuous.py Acrobot-v1 --tests 3
     tests/bench/continuous.py LunarLander-v3 --tests 46
 
-The policies are written by hand: CartPole's and Acrobot's here; MountainCar's is the closed form of Xiao, "MountainCar-v0"
-(github.com/ZhiqingXiao/OpenAIGymSolution); LunarLander's is the heuristic that comes with Gymnasium.
+The policies: CartPole's and Acrobot's are linear rules written by hand; MountainCar's is value iteration on a grid; LunarLander's is the
+heuristic that comes with Gymnasium.
 """
 import argparse
 import json
@@ -31,10 +31,31 @@ def cart_pole(o):
     return int(o[2] + 0.3 * o[3] + 0.05 * o[1] + 0.02 * o[0] > 0)
 
 
-def mountain_car(o):
-    x, v = o
-    low = min(-0.09 * (x + 0.25) ** 2 + 0.03, 0.3 * (x + 0.9) ** 4 - 0.008)
-    return 2 if low < v < -0.07 * (x + 0.38) ** 2 + 0.07 else 0
+class MountainCar:
+    """Value iteration on a grid, values interpolated between its points; the equations are Gymnasium's."""
+
+    def __init__(self, points=(151, 121), sweeps=400):
+        self.low, self.high, self.points = numpy.array([-1.2, -0.07]), numpy.array([0.6, 0.07]), numpy.array(points)
+        axes = [numpy.linspace(self.low[i], self.high[i], points[i]) for i in range(2)]
+        x, v = numpy.meshgrid(*axes, indexing="ij")
+        self.values = numpy.zeros(points)
+        for _ in range(sweeps):
+            self.values = numpy.max([self.after(x, v, action) for action in range(3)], axis=0)
+
+    def after(self, x, v, action):
+        v = numpy.clip(v + (action - 1) * 0.001 - numpy.cos(3 * x) * 0.0025, -0.07, 0.07)
+        x = numpy.clip(x + v, -1.2, 0.6)
+        v = numpy.where((x <= -1.2) & (v < 0), 0.0, v)
+        place = [numpy.clip((value - self.low[i]) / (self.high[i] - self.low[i]) * (self.points[i] - 1), 0, self.points[i] - 1.000001)
+                 for i, value in enumerate((x, v))]
+        i, j = (numpy.floor(p).astype(int) for p in place)
+        a, b = place[0] - i, place[1] - j
+        value = ((1 - a) * (1 - b) * self.values[i, j] + a * (1 - b) * self.values[i + 1, j] + (1 - a) * b * self.values[i, j + 1]
+                 + a * b * self.values[i + 1, j + 1])
+        return numpy.where(x >= 0.5, -1.0, -1.0 + value)
+
+    def __call__(self, o):
+        return int(numpy.argmax([self.after(numpy.float64(o[0]), numpy.float64(o[1]), action) for action in range(3)]))
 
 
 def acrobot(o):
@@ -50,7 +71,7 @@ def lunar_lander(o):
 # policy, episodes recorded, share of random actions, steps of an episode, settings of the evolution
 PROBLEMS = {
     "CartPole-v1": (cart_pole, 200, 0.2, 500, []),
-    "MountainCar-v0": (mountain_car, 300, 0.1, 200, []),
+    "MountainCar-v0": (MountainCar, 300, 0.1, 200, []),
     "Acrobot-v1": (acrobot, 200, 0.1, 500, []),
     "LunarLander-v3": (lunar_lander, 300, 0.05, 1000, []),
 }
@@ -95,6 +116,7 @@ def main():
     parser.add_argument("--coppice", default="build/release/bin/coppice", metavar="PROGRAM")
     options = parser.parse_args()
     policy, episodes, exploration, steps, settings = PROBLEMS[options.problem]
+    policy = policy() if isinstance(policy, type) else policy
     of_policy = mean(play(options.problem, policy, 100))
     if options.policy_only:
         print(f"{options.problem}: the policy earns {of_policy}", flush=True)

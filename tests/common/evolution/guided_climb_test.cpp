@@ -1,6 +1,7 @@
 #include "common/evolution/guided_climb.hpp"
 
 #include <gtest/gtest.h>
+#include <utility>
 #include <vector>
 
 #include "common/chain/exact.hpp"
@@ -148,21 +149,37 @@ TEST_F(GuidedClimbTest, explores_to_the_best_list_of_two_conditions_that_there_i
 }
 
 TEST_F(GuidedClimbTest, leaps_from_where_no_edit_helps) {
-  const EditLimits limits{.max_nodes = 13, .max_conditions = 3};
-  const std::vector<double> reward = {0.0, 1.0};
-  std::size_t higher = 0;
-  for (const Tree& start : oracles::random_trees(chain_.vocabulary(), 40, 23)) {
-    if (start.size() > limits.max_nodes || condition_count(start.nodes()) > limits.max_conditions) {
-      continue;
-    }
-    const Tree without = climb_->climb(start, reward, limits, {.steps = 100, .pairs = false});
-    const Tree with = climb_->climb(start, reward, limits, {.steps = 100, .pairs = false, .leaps = 3000});
-    EXPECT_GE(mean_reward(with), mean_reward(without) - 1e-9);
-    EXPECT_LE(with.size(), limits.max_nodes);
-    EXPECT_LE(condition_count(with.nodes()), limits.max_conditions);
-    higher += mean_reward(with) > mean_reward(without) + 1e-6 ? 1 : 0;
+  // The policy is a1 where b0 and b1 differ: no action, condition or branch of one condition agrees in more than half
+  // of the states, and a branch of two conditions in three quarters.
+  ChainParts parts = oracles::random_chain({.states = 80, .actions = 2, .seed = 4}).parts();
+  parts.vocabulary.features = {{"b0", {0, 1}, true, false}, {"b1", {0, 1}, true, false}};
+  parts.features.clear();
+  for (std::size_t s = 0; s < 80; ++s) {
+    const auto b0 = static_cast<std::uint8_t>(s % 2);
+    const auto b1 = static_cast<std::uint8_t>(s / 2 % 2);
+    parts.features.insert(parts.features.end(), {b0, b1});
+    parts.policy[s] = ActionId{static_cast<std::uint8_t>(b0 != b1 ? 1 : 0)};
   }
-  EXPECT_GT(higher, 0U);
+  parts.look_alikes = true;
+  const auto chain = Chain::make(std::move(parts));
+  ASSERT_TRUE(chain.has_value()) << chain.error().message;
+  auto climb = GuidedClimb::make(*chain, job_);
+  ASSERT_TRUE(climb.has_value());
+  const StateColumns columns(chain->vocabulary(), chain->parts().features);
+  const auto agreeing = [&](std::uint64_t leaps) {
+    const Tree end =
+        (*climb)->climb(Tree{ActionId{0}}, std::vector<double>{1.0, 0.0}, {.max_nodes = 17, .max_conditions = 4},
+                        {.steps = 100, .pairs = false, .leaps = leaps});
+    EXPECT_LE(condition_count(end.nodes()), 4U);
+    const std::vector<ActionId> actions = action_table(end, columns);
+    std::size_t same = 0;
+    for (std::size_t s = 0; s < actions.size(); ++s) {
+      same += actions[s] == chain->policy(s) ? 1 : 0;
+    }
+    return same;
+  };
+  EXPECT_EQ(agreeing(0), 40U);
+  EXPECT_EQ(agreeing(100), 80U);
 }
 
 TEST_F(GuidedClimbTest, keeps_a_guarded_tree_guarded) {
