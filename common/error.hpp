@@ -1,6 +1,6 @@
 // How a failure that is not a bug travels: as a value. Anything that comes from outside (a file, a flag, bytes,
 // a worker) and is wrong becomes an Error whose message names the place and what was expected. Bugs use
-// COPPICE_CHECK instead (common/check.hpp).
+// COPPICE_CHECK instead (common/check.hpp). What a program's exit code makes of it is in common/exit_code.hpp.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,12 @@
 namespace coppice {
 
 enum class ErrorKind : std::uint8_t {
-  bad_input,    // the user's file, flag or text is wrong: exit code 2
-  failed,       // the environment failed (disk, network, process): exit code 1
+  bad_input,    // the user's file, flag or text is wrong
+  wrong_use,    // what was asked for does not exist
+  failed,       // the environment failed (disk, network, process)
   interrupted,  // the user asked to stop; what was kept is valid
+  no_worker,    // nobody came to evaluate within the limit; what was kept is valid
+  damaged,      // a study that was whole once
   revoked,  // a worker was found to answer wrongly after some of its answers had counted: what rests on them is void
 };
 

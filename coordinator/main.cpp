@@ -1,5 +1,5 @@
-// The program `coppice`: composes the parts, reads the command line, and turns the outcome into an exit code:
-// 0 done, 1 failed or interrupted, 2 wrong use.
+// The program `coppice`: composes the parts, reads the command line, and turns the outcome into an exit code
+// (common/exit_code.hpp).
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstdio>
@@ -11,6 +11,7 @@
 #include <system_error>
 #include <unistd.h>
 
+#include "common/exit_code.hpp"
 #include "common/stop.hpp"
 #include "common/version.hpp"
 #include "coordinator/commands/command_groups.hpp"
@@ -22,15 +23,12 @@
 
 namespace {
 
-using coppice::ErrorKind;
+using coppice::ExitCode;
 using coppice::Result;
 
-constexpr int kExitFailed = 1;
-constexpr int kExitWrongUse = 2;
-
-int complain(const std::string& message, int exit_code) {
+int complain(const std::string& message, ExitCode exit_code) {
   coppice::show(stderr, fmt::format("coppice: {}\n", coppice::printable(message)));
-  return exit_code;
+  return coppice::to_int(exit_code);
 }
 
 // A closed standard descriptor would go to the next file that is opened, and then be read or printed to as if it were
@@ -91,7 +89,10 @@ int run(int argc, char** argv) {
   app.add_option("--log-format", log_format, "Lines of text, or a JSON object a line; goes before the command")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
-  app.footer("'coppice help COMMAND' explains a command, 'coppice help' lists topics. To begin: coppice run");
+  app.footer(
+      "'coppice help COMMAND' explains a command, 'coppice help' lists topics, 'coppice help exit-codes' how commands "
+      "end.\n"
+      "To begin: coppice run");
   coppice::add_run(app, invocation);
   coppice::add_learn(app, invocation);
   coppice::add_import(app, invocation);
@@ -125,23 +126,23 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& shown) {  // --help, --version
     app.exit(shown);
     const Result<void> flushed = flush_output();
-    return flushed ? 0 : complain(flushed.error().message, kExitFailed);
+    return flushed ? 0 : complain(flushed.error().message, ExitCode::environment);
   } catch (const CLI::ParseError& error) {
     if (app.get_subcommands().empty() && !app.remaining().empty()) {
       const std::string word = app.remaining().front();
       return complain(fmt::format("'{}' is no command{} (see coppice --help)", word, coppice::did_you_mean(word, app)),
-                      kExitWrongUse);
+                      ExitCode::wrong_use);
     }
     if (const auto chosen = app.get_subcommands(); !chosen.empty() && !chosen.front()->remaining().empty()) {
       const std::string word = chosen.front()->remaining().front();
       return complain(fmt::format("{}: '{}' was not expected{} (see {} --help)", chosen.front()->get_name(), word,
                                   coppice::did_you_mean(word, *chosen.front()), spoken_to(app)),
-                      kExitWrongUse);
+                      ExitCode::wrong_use);
     }
-    return complain(fmt::format("{} (see {} --help)", error.what(), spoken_to(app)), kExitWrongUse);
+    return complain(fmt::format("{} (see {} --help)", error.what(), spoken_to(app)), ExitCode::wrong_use);
   }
   if (const Result<void> checked = check_nothing_empty(app); !checked) {
-    return complain(fmt::format("{} (see {} --help)", checked.error().message, spoken_to(app)), kExitWrongUse);
+    return complain(fmt::format("{} (see {} --help)", checked.error().message, spoken_to(app)), ExitCode::wrong_use);
   }
   coppice::log_to(stderr, spdlog::level::from_str(log_level),
                   log_format == "json" ? coppice::LogFormat::json : coppice::LogFormat::text);
@@ -151,7 +152,7 @@ int run(int argc, char** argv) {
   }
   if (!done) {
     static_cast<void>(std::fflush(stdout));  // the command has failed already
-    return complain(done.error().message, done.error().kind == ErrorKind::bad_input ? kExitWrongUse : kExitFailed);
+    return complain(done.error().message, coppice::exit_code_of(done.error()));
   }
   return 0;
 }
@@ -163,6 +164,6 @@ int main(int argc, char** argv) {
   try {
     return run(argc, argv);
   } catch (const std::exception& error) {
-    return complain(error.what(), kExitFailed);
+    return complain(error.what(), ExitCode::environment);
   }
 }

@@ -11,10 +11,10 @@ set -euo pipefail
 
 packages=(g++ cmake ninja-build mold cyclonedds-dev cyclonedds-tools libcli11-dev
   libtomlplusplus-dev libsqlitecpp-dev libsqlite3-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libexpected-dev
-  libxxhash-dev libtinyxml2-dev libmicrohttpd-dev libeigen3-dev libsuitesparse-dev libssl-dev openssl graphviz gnuplot-nox)
+  libxxhash-dev libtinyxml2-dev libmicrohttpd-dev prometheus-cpp-dev libeigen3-dev libsuitesparse-dev libssl-dev openssl graphviz gnuplot-nox)
 for group in "$@"; do
   case $group in
-    tests) packages+=(libgtest-dev iproute2 nftables ethtool faketime python3-venv) ;;
+    tests) packages+=(libgtest-dev iproute2 nftables ethtool faketime python3-venv python3-prometheus-client) ;;
     page) packages+=(chromium fonts-dejavu-core) ;;
     slurm) packages+=(slurm-wlm) ;;
     format) packages+=(clang-format-14) ;;

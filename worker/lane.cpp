@@ -101,7 +101,15 @@ void Lane::take_one(const wire::Task& task) {
   if (task.protocol != state_.protocol || (run_id != 0 && task.run_id != run_id)) {
     return;  // of a coordinator that another has followed: nobody waits for it
   }
-  answer(state_, task, try_to_work(task), answers_);
+  WorkerFigures& figures = *state_.figures;
+  figures.task_bytes += task.payload._length;
+  figures.busy.begin();
+  const Outcome outcome = try_to_work(task);
+  figures.busy.end();
+  ++figures.tasks.at(outcome.kind);
+  figures.answer_bytes += outcome.payload.size();
+  figures.epochs += task.work == coppice_wire_EVOLVE && outcome.kind == coppice_wire_EVALUATED ? 1 : 0;
+  answer(state_, task, outcome, answers_);
 }
 
 // Memory may be short for this batch and not for the next: the batch ends, the worker goes on.
@@ -144,7 +152,7 @@ Lane::Outcome Lane::evolve(const std::shared_ptr<const PreparedChain>& chain, co
       wire::view(task.payload),
       [&](std::size_t more) {
         evaluated += more;
-        state_.evaluated.fetch_add(more, std::memory_order_relaxed);
+        count(more);
         return !state_.leaving && pass_time(begin, evaluated);
       },
       state_.before_epoch_answer);
@@ -176,13 +184,13 @@ Lane::Outcome Lane::evaluate(const std::shared_ptr<const PreparedChain>& chain, 
     if (state_.leaving) {
       return {.kind = coppice_wire_GIVEN_BACK};
     }
-    const std::size_t count = std::min<std::size_t>(at_once, trees.size() - tallies.size());
-    auto some = evaluation_->evaluate(trees.subspan(tallies.size(), count));
+    const std::size_t some_trees = std::min<std::size_t>(at_once, trees.size() - tallies.size());
+    auto some = evaluation_->evaluate(trees.subspan(tallies.size(), some_trees));
     std::move(some.begin(), some.end(), std::back_inserter(tallies));
     if (!pass_time(begin, tallies.size())) {
       return {.kind = coppice_wire_GIVEN_BACK};
     }
-    state_.evaluated.fetch_add(count, std::memory_order_relaxed);
+    count(some_trees);
   }
   decoder_->recycle(std::move(*decoded));
   if (state_.before_answer) {
@@ -196,6 +204,11 @@ Lane::Outcome Lane::evaluate(const std::shared_ptr<const PreparedChain>& chain, 
           .payload = std::move(payload),
           .elapsed = Clock::now() - begin,
           .repeated = evaluation_->repeated() - repeated};
+}
+
+void Lane::count(std::size_t individuals) {
+  state_.evaluated.fetch_add(individuals, std::memory_order_relaxed);
+  state_.figures->individuals.fetch_add(individuals, std::memory_order_relaxed);
 }
 
 // A paced lane keeps to a schedule: a timer that fires late delays one individual, not all that follow it.

@@ -21,6 +21,7 @@
 #include "common/wire/waiter.hpp"
 #include "worker/chain_store.hpp"
 #include "worker/epochs.hpp"
+#include "worker/figures.hpp"
 
 namespace coppice {
 
@@ -31,6 +32,7 @@ struct WorkerState {
   std::atomic<std::uint64_t> run_id{0};     // of the coordinator served; 0: none
   std::atomic<std::uint64_t> evaluated{0};  // individuals
   std::atomic<bool> leaving{false};
+  std::shared_ptr<WorkerFigures> figures = std::make_shared<WorkerFigures>();
   // What an individual takes at least, on average over a batch: it is evaluated, then the lane rests, so that many
   // workers can be tried on few cores. 0: as long as it takes.
   std::chrono::nanoseconds pace{0};
@@ -82,6 +84,7 @@ class Lane {
   Outcome evaluate(const std::shared_ptr<const PreparedChain>& chain, const wire::Task& task);
   Outcome evolve(const std::shared_ptr<const PreparedChain>& chain, const wire::Task& task);
   static Outcome refusal(const Error& error);
+  void count(std::size_t individuals);
   bool pass_time(Clock::time_point begin, std::size_t individuals);
   Result<wire::DecodedTask> decode(const std::shared_ptr<const PreparedChain>& chain, const wire::Task& task);
   Result<void> prepare(const std::shared_ptr<const PreparedChain>& chain, const Job& job);

@@ -10,25 +10,33 @@
 #include <unistd.h>
 
 #include "common/duration.hpp"
+#include "common/exit_code.hpp"
 #include "common/json_log.hpp"
+#include "common/metrics/outlet.hpp"
 #include "common/stop.hpp"
 #include "common/version.hpp"
 #include "common/wire/credentials.hpp"
 #include "common/wire/topics.hpp"
 #include "worker/apart.hpp"
 #include "worker/echo.hpp"
+#include "worker/figures.hpp"
 #include "worker/serve.hpp"
 
 namespace {
 
 constexpr std::uint32_t kMaxThreads = 1024;
 constexpr std::uint32_t kMaxPort = 65535;
-constexpr int kWrongUse = 2;
+const int kWrongUse = coppice::to_int(coppice::ExitCode::wrong_use);
 
 // A worker that a coordinator started dies with it, also when that was killed.
 bool follow_parent(pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   return getppid() == parent;  // else it died before prctl
+}
+
+int complain(const coppice::Error& error) {
+  spdlog::error("{}", error.message);
+  return coppice::to_int(coppice::exit_code_of(error));
 }
 
 int run(int argc, char** argv) {
@@ -41,6 +49,8 @@ int run(int argc, char** argv) {
   std::string log_format = "text";
   std::string pace;
   std::string security;
+  coppice::MetricsTargets metrics;
+  std::string health;
   bool echoes = false;
   bool apart = false;
   app.set_version_flag(
@@ -68,6 +78,18 @@ int run(int argc, char** argv) {
   app.add_option("--cache", options.cache,
                  "Folder to keep chains in, so that a worker that is started again need not be sent them again")
       ->type_name("DIR");
+  app.add_option(
+         "--metrics", metrics.place,
+         "Serve metrics for Prometheus over HTTP at this address (127.0.0.1 if only a port is given), with /health "
+         "and /ready for those who supervise")
+      ->type_name("[ADDRESS:]PORT");
+  app.add_option("--metrics-file", metrics.file,
+                 "Keep metrics in this file, for the textfile collector of Prometheus' node exporter (FILE.prom)")
+      ->type_name("FILE");
+  app.add_option("--health", health,
+                 "Ask the worker whose --metrics this is how it does, print it, and exit: 0 alive, else 1. For health "
+                 "checks of containers")
+      ->type_name("[ADDRESS:]PORT");
   app.add_flag("--echo", echoes, "Answer every task at once, for the bare transport in 'coppice bench'")->group("");
   app.add_flag("--apart", apart, "Evaluate one task from standard input, for the coordinator that started it")
       ->group("");
@@ -81,7 +103,9 @@ int run(int argc, char** argv) {
   app.footer(
       "Examples:\n"
       "  coppice-worker --coordinator 192.0.2.7 --domain 3 --threads 8\n"
-      "  coppice-worker --pace 2ms");
+      "  coppice-worker --pace 2ms\n"
+      "Exit codes:\n" +
+      coppice::exit_codes_text());
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -105,8 +129,7 @@ int run(int argc, char** argv) {
   }
   if (!security.empty()) {
     if (const auto checked = coppice::wire::check_credentials(security); !checked) {
-      spdlog::error("{}", checked.error().message);
-      return kWrongUse;
+      return complain(checked.error());
     }
     if (const std::string warning = coppice::wire::expiry_warning(security); !warning.empty()) {
       spdlog::warn("{}", warning);
@@ -118,21 +141,35 @@ int run(int argc, char** argv) {
   }
   if (apart) {
     const auto done = coppice::evaluate_apart();
-    if (!done) {
-      spdlog::error("{}", done.error().message);
-    }
-    return done ? 0 : 1;
+    return done ? 0 : complain(done.error());
   }
+  if (!health.empty()) {
+    const auto healthy = coppice::ask_health("--health", health, "/health");
+    fmt::print("{}\n", healthy ? *healthy : healthy.error().message);
+    return healthy ? 0 : coppice::to_int(coppice::exit_code_of(healthy.error()));
+  }
+  options.figures->manager = coppice::ServiceManager::from_environment();
   coppice::block_stop_signals();
+  std::unique_ptr<coppice::MetricsOutlet> outlet;
+  if (metrics.any()) {
+    auto opened = coppice::MetricsOutlet::open(
+        metrics,
+        {.text =
+             [&] { return coppice::to_metrics(*options.figures, options.version, options.network.security.string()); },
+         .health = [&] { return options.figures->health(); }});
+    if (!opened) {
+      return complain(opened.error());
+    }
+    outlet = std::move(*opened);
+    if (!metrics.place.empty()) {
+      spdlog::info("metrics at port {} (--metrics {})", outlet->port(), metrics.place);
+    }
+  }
   coppice::StopFlag stop;
   const coppice::StopOnSignals signals(stop);
   coppice::wire::route_dds_log([](const char* line) { spdlog::debug("dds: {}", coppice::wire::shown(line)); });
   const auto outcome = echoes ? coppice::echo(options, stop) : coppice::serve(options, stop);
-  if (!outcome) {
-    spdlog::error("{}", outcome.error().message);
-    return outcome.error().kind == coppice::ErrorKind::bad_input ? kWrongUse : 1;
-  }
-  return 0;
+  return outcome ? 0 : complain(outcome.error());
 }
 
 }  // namespace
@@ -142,6 +179,6 @@ int main(int argc, char** argv) {
     return run(argc, argv);
   } catch (const std::exception& error) {
     static_cast<void>(std::fprintf(stderr, "coppice-worker: %s\n", error.what()));
-    return 1;
+    return coppice::to_int(coppice::ExitCode::environment);
   }
 }

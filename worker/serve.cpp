@@ -12,6 +12,8 @@
 #include <unistd.h>
 #include <vector>
 
+#include "common/wire/credentials.hpp"
+#include "worker/absence.hpp"
 #include "worker/chain_cache.hpp"
 #include "worker/lane.hpp"
 
@@ -62,7 +64,7 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   // Until `stop` is raised, or nobody has been there for kLonely.
-  Result<void> run(const StopFlag& stop);
+  Result<void> run(const StopFlag& stop, Absence& absence);
 
  private:
   Server(const ServeOptions& options, WorkerState& state, ChainCache* cache, wire::Participant participant,
@@ -89,6 +91,7 @@ class Server {
   void stop_lanes();
   void request_missing();
   void say_hello();
+  void say_alone();
   void leave();
 
   const ServeOptions options_;
@@ -109,6 +112,7 @@ class Server {
   std::uint32_t requested_end_ = 0;  // blocks before it have been asked for
   Clock::time_point last_block_;
   Clock::time_point alone_since_ = Clock::now();
+  wire::CertificateWatch certificates_{options_.network.security};
   Clock::time_point next_hello_;
 };
 
@@ -165,10 +169,14 @@ Result<void> Server::start_lanes() {
   return {};
 }
 
-Result<void> Server::run(const StopFlag& stop) {
+Result<void> Server::run(const StopFlag& stop, Absence& absence) {
   const auto wake = stop.on_raise([this] { waiter_.wake(); });
   Result<void> outcome;
   while (outcome && !stop.raised()) {
+    options_.figures->turn();
+    if (const std::string line = certificates_.look(); !line.empty()) {
+      spdlog::warn("{}", line);
+    }
     outcome = take_controls();
     if (outcome) {
       outcome = take_blocks();
@@ -182,8 +190,13 @@ Result<void> Server::run(const StopFlag& stop) {
     }
     if (state_.run_id != 0) {
       alone_since_ = Clock::now();
-    } else if (Clock::now() - alone_since_ > kLonely) {
-      break;
+      absence.somebody();
+    } else {
+      say_alone();
+      absence.nobody([this] { return participant_.others(); });
+      if (Clock::now() - alone_since_ > kLonely) {
+        break;
+      }
     }
     waiter_.wait(next_hello_ - Clock::now());
   }
@@ -223,6 +236,7 @@ Result<void> Server::take_controls() {
 
 void Server::meet(const wire::Control& control) {
   if (state_.run_id.exchange(control.run_id) != control.run_id) {
+    options_.figures->serve(fmt::format("{} (pid {})", wire::shown(control.host), control.pid));
     spdlog::info("serving the coordinator {} (pid {})", wire::shown(control.host), control.pid);
   }
   const ChainHash hash = wire::from_wire(control.chain);
@@ -278,6 +292,7 @@ Result<void> Server::take_blocks() {
       return;
     }
     last_block_ = Clock::now();
+    options_.figures->chain_bytes += block.payload._length;
   });
   if (assembly_) {
     if (cache_ != nullptr) {
@@ -314,6 +329,7 @@ Result<void> Server::finish_chain() {
                (*chain)->chain().transitions());
   failed_chains_ = 0;
   state_.chains.add(hash, std::move(*chain));
+  options_.figures->chains = static_cast<std::uint32_t>(state_.chains.held().size());
   say_hello();
   return {};
 }
@@ -345,6 +361,15 @@ void Server::say_hello() {
   }
 }
 
+// To those who watch.
+void Server::say_alone() {
+  if (options_.figures->waits()) {
+    return;
+  }
+  options_.figures->wait_for(
+      fmt::format("a coordinator at {} (UDP port {})", options_.coordinator, wire::coordinator_port(options_.domain)));
+}
+
 // Each lane finishes the individual that it is at.
 void Server::stop_lanes() {
   state_.leave();
@@ -372,6 +397,8 @@ Result<void> serve(const ServeOptions& options, const StopFlag& stop) {
   WorkerState state;
   state.protocol = options.protocol;
   state.pace = options.pace;
+  state.figures = options.figures;
+  options.figures->lanes = options.threads;
   state.before_answer = options.before_answer;
   state.before_epoch_answer = options.before_epoch_answer;
   spdlog::info("worker {:016x} looks for a coordinator at {} in domain {} (UDP port {})", state.worker,
@@ -385,6 +412,7 @@ Result<void> serve(const ServeOptions& options, const StopFlag& stop) {
     cache.emplace(std::move(*opened));
   }
   Rest rest(stop);
+  Absence absence(options);
   std::optional<Clock::time_point> complained;
   while (!stop.raised()) {
     // A name belongs to the DDS participant that was first heard under it: another participant, another name.
@@ -392,7 +420,8 @@ Result<void> serve(const ServeOptions& options, const StopFlag& stop) {
     auto server = Server::open(options, state, cache ? &*cache : nullptr);
     if (server) {
       complained.reset();
-      if (auto ok = (*server)->run(stop); !ok) {
+      options.figures->manager.ready();
+      if (auto ok = (*server)->run(stop, absence); !ok) {
         return ok;
       }
       server->reset();  // its lanes with it
@@ -404,8 +433,12 @@ Result<void> serve(const ServeOptions& options, const StopFlag& stop) {
       complained = Clock::now();
       spdlog::warn("{}; trying again until it can be reached", server.error().message);
     }
+    options.figures->turn();
+    options.figures->wait_for(server.error().message);
+    options.figures->manager.ready();  // it runs, and would be told otherwise to stop waiting
     rest.for_a_while(kRetry);
   }
+  options.figures->manager.stopping();
   spdlog::info("leaves after {} individuals", state.evaluated.load());
   return {};
 }

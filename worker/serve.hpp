@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 
@@ -14,6 +15,7 @@
 #include "common/fitness/job.hpp"
 #include "common/stop.hpp"
 #include "common/wire/configuration.hpp"
+#include "worker/figures.hpp"
 
 namespace coppice {
 
@@ -27,6 +29,7 @@ struct ServeOptions {
   std::uint32_t protocol = 0;        // what this program speaks; coordinators that speak another are refused
   std::string version;
   std::uint64_t golden = golden_checksum();  // coordinators that compute otherwise are refused
+  std::shared_ptr<WorkerFigures> figures = std::make_shared<WorkerFigures>();  // kept while it serves
   // Tests only: called with the tallies of every batch before they are sent.
   std::function<void(std::span<Tally>)> before_answer;
   std::function<void(EpochResult&)> before_epoch_answer;  // likewise, of every epoch

@@ -1,7 +1,10 @@
 #include "common/wire/credentials.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <ctime>
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <memory>
 #include <openssl/pem.h>
@@ -148,6 +151,59 @@ std::string expiry_warning(const std::filesystem::path& folder) {
           "{} ends in {} days: renew it with deploy/security/make-certificates.sh, or nobody will be let in",
           (folder / name).string(), days_left(certificate->get()));
     }
+  }
+  return {};
+}
+
+std::vector<std::pair<std::string, std::int64_t>> certificate_ends(const std::filesystem::path& folder) {
+  std::vector<std::pair<std::string, std::int64_t>> ends;
+  if (folder.empty()) {
+    return ends;
+  }
+  for (const char* name : {kCertificate, kIdentityAuthority, kPermissionsAuthority}) {
+    const auto certificate = read_certificate(folder / name);
+    std::tm time{};
+    if (certificate && ASN1_TIME_to_tm(X509_get0_notAfter(certificate->get()), &time) == 1) {
+      ends.emplace_back(name, static_cast<std::int64_t>(timegm(&time)));
+    }
+  }
+  return ends;
+}
+
+namespace {
+constexpr std::chrono::hours kLookEvery{1};
+constexpr std::chrono::hours kWarnEvery{24};
+}  // namespace
+
+CertificateWatch::CertificateWatch(std::filesystem::path folder)
+    : folder_(std::move(folder)),
+      next_look_(std::chrono::steady_clock::now()),
+      next_warning_(next_look_ + kWarnEvery) {}  // the programs warn when they start
+
+std::string CertificateWatch::look() {
+  const auto now = std::chrono::steady_clock::now();
+  if (folder_.empty() || now < next_look_) {
+    return {};
+  }
+  next_look_ = now + kLookEvery;
+  const std::int64_t today = std::time(nullptr);
+  for (const auto& [file, end] : certificate_ends(folder_)) {
+    const std::string path = (folder_ / file).string();
+    if (end <= today && ended_ != path) {
+      ended_ = path;
+      const std::time_t time = end;
+      return fmt::format(
+          "{} ended at {:%Y-%m-%d %H:%M:%S} UTC: nobody lets this program in any more. Renew it "
+          "(deploy/security/make-certificates.sh) and start again",
+          path, fmt::gmtime(time));
+    }
+    if (end > today) {
+      next_look_ = std::min(next_look_, now + std::chrono::seconds(end - today + 1));
+    }
+  }
+  if (now >= next_warning_) {
+    next_warning_ = now + kWarnEvery;
+    return expiry_warning(folder_);
   }
   return {};
 }

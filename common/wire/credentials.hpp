@@ -4,8 +4,12 @@
 // never meets anybody, and says nothing) is looked for here first.
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/error.hpp"
 
@@ -30,5 +34,24 @@ Result<void> check_credentials(const std::filesystem::path& folder);
 // A line to be logged where the certificate or the authority's own ends within kWarnDays; else empty.
 // REQUIRES: check_credentials(folder).
 std::string expiry_warning(const std::filesystem::path& folder);
+
+// When the certificates in the folder end: name of the file, Unix time in seconds. As they are on disk now, so that a
+// renewal shows; those that cannot be read are left out, and of an empty folder's name there are none.
+std::vector<std::pair<std::string, std::int64_t>> certificate_ends(const std::filesystem::path& folder);
+
+// Watches the end of an identity that is in use for months. Belongs to one thread.
+class CertificateWatch {
+ public:
+  // Empty: there is nothing to watch.
+  explicit CertificateWatch(std::filesystem::path folder);
+  // A line to be logged, else empty: once a day in the last kWarnDays, and once when one has ended. To be called often.
+  std::string look();
+
+ private:
+  std::filesystem::path folder_;
+  std::chrono::steady_clock::time_point next_look_;
+  std::chrono::steady_clock::time_point next_warning_;
+  std::string ended_;  // that was told of
+};
 
 }  // namespace coppice::wire

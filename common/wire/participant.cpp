@@ -1,5 +1,7 @@
 #include "common/wire/participant.hpp"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
@@ -90,6 +92,26 @@ Result<Participant> Participant::join(std::uint32_t domain, const std::string& c
     return said.empty() ? tl::unexpected(participant.error()) : in_context(said, participant.error());
   }
   return Participant(std::move(owned_domain), std::move(*participant));
+}
+
+std::size_t Participant::others() const {
+  constexpr std::size_t kMost = 64;
+  const auto reader = Entity::own(
+      dds_create_reader(participant_.get(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr), "participants");
+  if (!reader) {
+    return 0;
+  }
+  std::array<void*, kMost> samples{};
+  std::array<dds_sample_info_t, kMost> infos;
+  const dds_return_t count = dds_read(reader->get(), samples.data(), infos.data(), kMost, kMost);
+  std::size_t alive = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(std::max(count, 0)); ++i) {
+    alive += infos[i].valid_data && infos[i].instance_state == DDS_ALIVE_INSTANCE_STATE ? 1 : 0;
+  }
+  if (count > 0) {
+    dds_return_loan(reader->get(), samples.data(), count);
+  }
+  return alive > 0 ? alive - 1 : 0;  // it is one of them itself
 }
 
 }  // namespace coppice::wire

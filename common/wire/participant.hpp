@@ -2,6 +2,7 @@
 // it (topics.hpp) and must go before it. Signals must be blocked before it is made: DDS threads inherit the mask.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -17,6 +18,8 @@ class Participant {
   static Result<Participant> join(std::uint32_t domain, const std::string& configuration);
 
   dds_entity_t get() const { return participant_.get(); }
+  // Other participants that were met and are still there, whoever they are.
+  std::size_t others() const;
 
  private:
   Participant(Entity domain, Entity participant) : domain_(std::move(domain)), participant_(std::move(participant)) {}

@@ -67,7 +67,9 @@ Result<void> check_command(const CheckFlags& flags) {
     return tl::unexpected(check.error());
   }
   fmt::print("{}", flags.json ? json_line(json_of(*check, flags.study)) + "\n" : text_of(*check, flags.study));
-  return check->whole() ? Result<void>() : failed(fmt::format("{} is damaged", flags.study));
+  return check->whole()
+             ? Result<void>()
+             : Result<void>(tl::unexpected(Error{ErrorKind::damaged, fmt::format("{} is damaged", flags.study)}));
 }
 
 }  // namespace

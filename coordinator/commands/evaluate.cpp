@@ -275,7 +275,7 @@ void add_evaluate(CLI::App& app, Invocation& invocation) {
       "objective its integer score and its value in its own unit, summed over the walks or over all states;\n"
       "along walks also its mean per step. What is computed reads like walks of 8 to 16 million steps in all.\n"
       "Trees are read, checked, evaluated and answered 1024 at a time, so that any number of them will do; a\n"
-      "malformed line ends the command (exit code 2) before any tree of its 1024 is evaluated. An empty line ends "
+      "malformed line ends the command (exit code 3) before any tree of its 1024 is evaluated. An empty line ends "
       "such\n"
       "a chunk early: a program that keeps the command running in a pipe sends one to have its answers at once.\n"
       "Example:\n"

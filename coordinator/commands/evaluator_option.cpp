@@ -61,6 +61,13 @@ void add_evaluator_option(CLI::App& command, EvaluatorOption& option) {
       ->type_name("NAME")
       ->needs(remote);
   command
+      .add_option(
+          "--advertise", option.advertise,
+          "With --remote: address under which workers reach this machine if it is not its own, in numbers: that of "
+          "a router which forwards the UDP port")
+      ->type_name("ADDRESS")
+      ->needs(remote);
+  command
       .add_option("--security", option.security,
                   "With --remote: folder of this coordinator's identity under DDS Security "
                   "(deploy/security/make-certificates.sh makes it); its workers need theirs")
@@ -92,6 +99,14 @@ void add_evaluator_option(CLI::App& command, EvaluatorOption& option) {
       ->type_name("FILE")
       ->excludes(serial)
       ->excludes(remote);
+  command
+      .add_option("--metrics", option.metrics.place,
+                  "Serve metrics for Prometheus over HTTP at this address (127.0.0.1 if only a port is given)")
+      ->type_name("[ADDRESS:]PORT");
+  command
+      .add_option("--metrics-file", option.metrics.file,
+                  "Keep metrics in this file, for the textfile collector of Prometheus' node exporter (FILE.prom)")
+      ->type_name("FILE");
 }
 
 Result<EvaluatorChoice> evaluator_choice(const EvaluatorOption& option) {
@@ -115,6 +130,7 @@ Result<EvaluatorChoice> evaluator_choice(const EvaluatorOption& option) {
   if (option.interface) {
     choice.interface = *option.interface;
   }
+  choice.advertise = option.advertise;
   choice.security = option.security;
   choice.lossy = option.lossy;
   choice.cross_check = option.cross_check.value_or(option.remote ? kRemoteCrossCheck : 0.0);
@@ -129,6 +145,13 @@ Result<EvaluatorChoice> evaluator_choice(const EvaluatorOption& option) {
       return bad_input(fmt::format("--wait is {}: expected 1 to {} seconds", *option.wait_seconds, kLongestWait));
     }
     choice.wait_limit = std::chrono::seconds(*option.wait_seconds);
+  }
+  if (option.metrics.any()) {
+    auto metrics = RunMetrics::open(option.metrics);
+    if (!metrics) {
+      return tl::unexpected(metrics.error());
+    }
+    choice.metrics = std::move(*metrics);
   }
   return choice;
 }

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cstdio>
 #include <fmt/format.h>
 #include <memory>
@@ -20,7 +21,7 @@ struct Options {
   EvolveOptions evolution;
   EvaluatorOption evaluator;
   std::optional<std::uint64_t> seed;
-  bool resume = false;
+  std::string resume;  // "last", or a number
   bool take_over = false;
   std::optional<std::int64_t> run;
   bool json = false;
@@ -43,6 +44,21 @@ Result<RunId> run_to_resume(const Study& study, std::optional<std::int64_t> want
   return bad_input(fmt::format("{}: has no unfinished run: nothing to resume", study.path()));
 }
 
+// By --resume=RUN or --run RUN; none: the last.
+Result<std::optional<std::int64_t>> run_wanted(const Options& options) {
+  if (options.resume == "last") {
+    return options.run;
+  }
+  std::int64_t run = 0;
+  const char* const end = options.resume.data() + options.resume.size();
+  const auto parsed = std::from_chars(options.resume.data(), end, run);
+  if (parsed.ec != std::errc{} || parsed.ptr != end || run < 1 || options.run.value_or(run) != run) {
+    return bad_input(
+        fmt::format("--resume={}: expected the number of one run, as coppice info shows it", options.resume));
+  }
+  return std::optional<std::int64_t>(run);
+}
+
 Result<void> evolve_command(const Options& options, const StopFlag& stop) {
   const Result<EvaluatorChoice> evaluator = evaluator_choice(options.evaluator);
   if (!evaluator) {
@@ -54,8 +70,12 @@ Result<void> evolve_command(const Options& options, const StopFlag& stop) {
   }
   EvolveTask task;
   task.evaluator = *evaluator;
-  if (options.resume) {
-    const Result<RunId> run = run_to_resume(*study, options.run);
+  if (!options.resume.empty()) {
+    const Result<std::optional<std::int64_t>> wanted = run_wanted(options);
+    if (!wanted) {
+      return tl::unexpected(wanted.error());
+    }
+    const Result<RunId> run = run_to_resume(*study, *wanted);
     if (!run) {
       return tl::unexpected(run.error());
     }
@@ -93,7 +113,8 @@ void add_evolve(CLI::App& app, Invocation& invocation) {
   CLI::Option* seed = command->add_option("--seed", options->seed, "Same seed, same result (default: seed of --config)")
                           ->check(whole_number());
   CLI::Option* resume =
-      command->add_flag("--resume", options->resume, "Go on with the last unfinished run, by its own configuration");
+      command->add_flag("--resume{last}", options->resume,
+                        "Go on with the last unfinished run, by its own configuration; --resume=RUN with that one");
   resume->excludes(command->get_option("--config"))->excludes(command->get_option("--set"))->excludes(seed);
   command->add_option("--run", options->run, "With --resume: this run instead of the last unfinished one")
       ->type_name("N")
@@ -105,11 +126,11 @@ void add_evolve(CLI::App& app, Invocation& invocation) {
       ->needs(resume);
   command->add_flag("--json", options->json, "Report as one JSON object");
   command->footer(
-      "Ctrl-C keeps the best so far (exit code 1); --resume goes on to the very same result.\n"
+      "Ctrl-C keeps the best so far (exit code 4); --resume goes on to the very same result.\n"
       "Examples:\n"
       "  coppice evolve uav.coppice --workers 2\n"
       "  coppice evolve uav.coppice --serial --set ga.population=200 --set fitness.coverage=0.5 --seed 3\n"
-      "  coppice evolve uav.coppice --resume");
+      "  coppice evolve uav.coppice --resume=2");
   command->callback([&invocation, options] {
     invocation.chosen = [&invocation, options] { return evolve_command(*options, invocation.stop); };
   });

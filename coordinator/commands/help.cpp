@@ -11,6 +11,7 @@
 
 #include "common/evolution/config.hpp"
 #include "common/evolution/config_keys.hpp"
+#include "common/exit_code.hpp"
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/did_you_mean.hpp"
 
@@ -23,7 +24,7 @@ struct Topic {
   std::string_view text;  // empty: made when it is asked for
 };
 
-constexpr std::array<Topic, 6> kTopics = {{
+constexpr std::array<Topic, 7> kTopics = {{
     {"trees", "the text form of a tree",
      R"(A tree is one line of text:
 
@@ -74,6 +75,7 @@ the best is the smallest.
 
 A file that exists is never overwritten unless --force says so. Files appear whole or not at all.
 )"},
+    {"exit-codes", "how a command ends, for a scheduler", ""},
     {"environment", "variables that are read",
      R"(  PATH             where dot, gnuplot and coppice-worker are looked for
   CYCLONEDDS_URI   a DDS configuration of your own instead of Coppice's (idl/README.md says what it must hold)
@@ -115,6 +117,15 @@ std::string keys_text() {
   return text + "\n[[fitness.rule]] (any_of, right, wrong), rules of the objective 'shaped', only in a file.\n";
 }
 
+std::string exit_topic() {
+  return fmt::format(
+      "coppice and coppice-worker end with\n\n{}\nWhat ended with 1, 4 or 5 may be started again, the others not "
+      "before "
+      "what the message names is mended. A second\nCtrl-C ends a command at once, with 130. A worker that SIGTERM ends "
+      "gives back what it holds and ends with 0.\n",
+      exit_codes_text());
+}
+
 std::string topics_text() {
   std::string text = "Topics besides the commands:\n";
   for (const Topic& topic : kTopics) {
@@ -138,15 +149,18 @@ Result<void> help_command(const CLI::App& app, const std::string& wanted) {
   }
   for (const Topic& topic : kTopics) {
     if (topic.name == wanted) {
-      fmt::print("{}", topic.text.empty() ? keys_text() : std::string(topic.text));
+      fmt::print("{}", !topic.text.empty()      ? std::string(topic.text)
+                       : wanted == "exit-codes" ? exit_topic()
+                                                : keys_text());
       return {};
     }
     names.emplace_back(topic.name);
   }
   const std::vector<std::string> near = nearest(wanted, names);
-  return bad_input(fmt::format(
-      "'{}' is no command and no topic{}", wanted,
-      near.empty() ? std::string(" (see coppice help)") : fmt::format(" (did you mean {}?)", fmt::join(near, " or "))));
+  return tl::unexpected(Error{ErrorKind::wrong_use,
+                              fmt::format("'{}' is no command and no topic{}", wanted,
+                                          near.empty() ? std::string(" (see coppice help)")
+                                                       : fmt::format(" (did you mean {}?)", fmt::join(near, " or ")))});
 }
 
 }  // namespace

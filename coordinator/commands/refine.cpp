@@ -184,7 +184,7 @@ void add_refine(CLI::App& app, Invocation& invocation) {
       "Evolution is set up as the refined run was (the last one with --tree), or by --config. It begins with the tree\n"
       "that was walked, the best so far and the front that it is on. The answer is the best round: fewest collisions,\n"
       "then the highest reward in the simulator. The given study is not changed.\n"
-      "Ctrl-C keeps every round that has ended, and the best so far of the one under way (exit code 1).\n"
+      "Ctrl-C keeps every round that has ended, and the best so far of the one under way (exit code 4).\n"
       "Examples:\n"
       "  coppice refine uav.coppice -o refined --config coordinator/evolution/front.toml --workers 2\n"
       "  coppice refine uav.coppice --rounds 5 --episodes 100000 --serial --seed 3\n"

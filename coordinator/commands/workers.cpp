@@ -22,6 +22,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint32_t kHighestDomain = 230;  // of DDS; above it the ports of RTPS run out
+constexpr std::uint32_t kHighestPort = 65535;
 constexpr std::chrono::milliseconds kRefresh{1000};
 constexpr std::chrono::milliseconds kStopLook{20};
 
@@ -134,6 +135,13 @@ void add_workers(CLI::App& app, Invocation& invocation) {
       ->add_option("--security", options->security,
                    "Folder of a coordinator's identity under DDS Security (deploy/security/make-certificates.sh)")
       ->type_name("DIR");
+  command
+      ->add_option(
+          "--port", options->list.port,
+          "UDP port of this machine for a coordinator's answer, if a firewall must let one through (default: one "
+          "that the system chooses)")
+      ->type_name("PORT")
+      ->check(CLI::Range(1U, kHighestPort));
   command->add_flag("--watch", options->watch, "Again every second, until Ctrl-C");
   command->add_flag("--json", options->json, "One JSON object a list");
   command->footer(

@@ -31,6 +31,12 @@
 
 namespace coppice {
 
+// What came from one source, and was not believed.
+struct SourceRecord {
+  std::uint64_t rejected = 0;     // samples
+  std::uint64_t disagreeing = 0;  // answers that differ from the truth
+};
+
 struct DispatchSettings {
   InFlightLimits limits{};
   std::chrono::milliseconds wait_limit{600'000};  // without any worker, or any answer, for this long, requests fail
@@ -41,6 +47,7 @@ struct DispatchSettings {
   std::uint64_t golden = 0;                       // and those whose build computes otherwise (HelloHeard::golden)
   std::string version{};                          // of this program, for messages
   std::string invitation{};                       // how to start a worker, for messages
+  std::string absence{};                          // why one that runs may not be here, likewise
 };
 
 class Dispatcher {
@@ -87,6 +94,9 @@ class Dispatcher {
   // Computing threads of the workers that are ready.
   std::size_t ready_lanes() const;
   DispatchStatistics statistics() const;
+  // By "host, pid N" of a worker that was met, else by the name that it claimed; of many the first kMostSources.
+  static constexpr std::size_t kMostSources = 64;
+  const std::map<std::string, SourceRecord>& sources() const { return sources_; }
   // Processes of its own that run, or are about to.
   std::size_t processes() const;
 
@@ -140,6 +150,7 @@ class Dispatcher {
   bool own(WorkerId worker, const std::optional<Origin>& origin, const char* what);
   bool refuse(const HelloHeard& hello);
   void reject(const std::string& what, WorkerId source);
+  SourceRecord& record_of(WorkerId source);
   void ban(WorkerId worker, const std::string& why);
   void lose(WorkerId worker, const std::string& why, Farewell farewell);
   void lose_silent();
@@ -163,6 +174,7 @@ class Dispatcher {
   std::map<ComputeId, Purpose> computing_;
   std::vector<Place> places_;
   DispatchStatistics statistics_;
+  std::map<std::string, SourceRecord> sources_;
   Actions actions_;  // of the step under way
   Time now_{};
 

@@ -68,6 +68,7 @@ void Dispatcher::on(AnswerHeard& answer) {
 
 void Dispatcher::on_computed_answer(AnswerHeard& answer) {
   statistics_.received_bytes += answer.bytes;
+  statistics_.busy_ns += static_cast<std::uint64_t>(std::max<std::int64_t>(answer.elapsed.count(), 0));
   const auto out = flight_.find(answer.batch, answer.worker);
   if (!out || !out->current) {
     flight_.settle(answer.batch, answer.worker, now_);  // of a request that is closed: frees the worker's credit
@@ -176,6 +177,9 @@ void Dispatcher::finish(Examination& examination, Computed& computed) {
   }
   if (!honest) {
     liars.insert(answer.worker);
+  }
+  for (const WorkerId liar : liars) {
+    ++record_of(liar).disagreeing;
   }
   for (const WorkerId liar : liars) {
     quarantine(liar);

@@ -82,6 +82,7 @@ bool Dispatcher::refuse(const HelloHeard& hello) {
     return false;
   }
   if (roster_.first_refusal(hello.worker)) {
+    ++statistics_.refused;
     say(Say::Level::warn,
         hello.protocol != settings_.protocol
             ? fmt::format(
@@ -157,10 +158,18 @@ std::size_t Dispatcher::processes() const {
 // A sample that did not decode or belongs to nobody: counted, logged once for each source.
 void Dispatcher::reject(const std::string& what, WorkerId source) {
   ++statistics_.rejected;
+  ++record_of(source).rejected;
   if (roster_.first_nonsense(source)) {
     say(Say::Level::warn, fmt::format("dropped a sample of worker {:016x}: {} (further ones are only counted)",
                                       static_cast<std::uint64_t>(source), what));
   }
+}
+
+SourceRecord& Dispatcher::record_of(WorkerId source) {
+  const KnownWorker* const worker = roster_.find(source);
+  std::string name =
+      worker != nullptr ? worker->name : fmt::format("worker {:016x}", static_cast<std::uint64_t>(source));
+  return sources_[sources_.size() < kMostSources || sources_.count(name) != 0 ? std::move(name) : "others"];
 }
 
 // A worker that answers nonsense would do so again: its Hellos are not heard any more.
@@ -233,7 +242,7 @@ void Dispatcher::tend() {
     return;
   }
   if (!requests_.empty() && roster_.listened() - last_settled_ > settings_.wait_limit && !roster_.all().empty()) {
-    fail({ErrorKind::failed,
+    fail({ErrorKind::no_worker,
           fmt::format("no batch was answered for {} s; what was evaluated is kept",
                       std::chrono::duration_cast<std::chrono::seconds>(settings_.wait_limit).count())});
     return;
@@ -248,7 +257,7 @@ void Dispatcher::await_workers() {
     return;
   }
   if (!places_.empty() && processes() == 0) {
-    fail({ErrorKind::failed, "all worker processes ended; what was evaluated is kept"});
+    fail({ErrorKind::no_worker, "all worker processes ended; what was evaluated is kept"});
     return;
   }
   const auto listened = roster_.listened();
@@ -258,14 +267,18 @@ void Dispatcher::await_workers() {
     next_notice_ = places_.empty() ? listened : listened + kNoticeInterval;
   }
   if (listened - *without_worker_since_ > settings_.wait_limit) {
-    fail({ErrorKind::failed,
+    fail({ErrorKind::no_worker,
           fmt::format("no worker within {} s; what was evaluated is kept",
                       std::chrono::duration_cast<std::chrono::seconds>(settings_.wait_limit).count())});
     return;
   }
   if (listened >= next_notice_) {
     next_notice_ = listened + kNoticeInterval;
-    say(Say::Level::warn, "no worker is there; waiting. Start one: " + settings_.invitation);
+    say(Say::Level::warn,
+        fmt::format(
+            "no worker is there; waiting. Start one: {}{}{}", settings_.invitation,
+            statistics_.refused > 0 ? fmt::format(". {} refused: see above", statistics_.refused) : std::string(),
+            settings_.absence.empty() ? std::string() : ". " + settings_.absence));
   }
 }
 

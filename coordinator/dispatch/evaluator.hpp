@@ -41,6 +41,8 @@ struct DispatchStatistics {
   std::uint64_t workers_lost = 0;
   std::uint64_t cross_checked = 0;  // individuals that the coordinator evaluated again
   std::uint64_t quarantined = 0;    // workers that answered wrongly
+  std::uint64_t refused = 0;        // workers of another protocol, or whose build computes otherwise
+  std::uint64_t busy_ns = 0;        // that workers' lanes worked for answers which were heard, as they say
   std::size_t workers_alive = 0;
   // At this moment: epochs that run or wait, and how many the workers hold, from the one with fewest to the one with
   // most, copies included.

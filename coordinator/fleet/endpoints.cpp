@@ -93,6 +93,11 @@ Result<void> Endpoints::check(const std::string& interface, const wire::Network&
   if (auto ok = wire::check_interface(interface); !ok) {
     return in_context("--interface", ok.error());
   }
+  if (!network.advertise.empty()) {
+    if (auto ok = wire::check_advertised(network.advertise, interface); !ok) {
+      return ok;
+    }
+  }
   return network.security.empty() ? Result<void>{} : wire::check_credentials(network.security);
 }
 

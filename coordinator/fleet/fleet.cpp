@@ -19,6 +19,7 @@ using namespace std::chrono_literals;
 
 constexpr std::chrono::milliseconds kSettlingInterval{5};  // new workers are looked at this often
 constexpr std::chrono::milliseconds kListenAtHome{10};     // workers are heard this often meanwhile
+constexpr std::chrono::seconds kWatchInterval{1};
 constexpr int kMostSteps = 64;  // in a row, without listening, while what was done makes events
 // A tree's meaning is found in about 0.8 us; individuals whose walks take fewer steps are evaluated sooner than that
 // saves. The worker that holds several of one meaning evaluates them once all the same.
@@ -41,8 +42,20 @@ DispatchSettings settings_of(const FleetOptions& options, std::uint32_t domain) 
   settings.protocol = wire::kProtocolVersion;
   settings.golden = golden_checksum();
   settings.version = kVersion;
-  settings.invitation = fmt::format("coppice-worker --coordinator {} --domain {}",
-                                    options.interface == "lo" ? "127.0.0.1" : wire::host_name(), domain);
+  const wire::Network& network = options.network;
+  const std::vector<std::string> addresses = wire::addresses_of(options.interface);
+  settings.invitation = fmt::format("coppice-worker --coordinator {} --domain {}{}{}",
+                                    !network.advertise.empty() ? network.advertise
+                                    : addresses.empty()        ? options.interface
+                                                               : addresses.front(),
+                                    domain,
+                                    network.lossy ? " --lossy" : "", network.security.empty() ? "" : " --security DIR");
+  settings.absence = fmt::format(
+      "One that runs and is not here cannot reach UDP port {} of {} (firewall, another --interface or --domain here), "
+      "cannot be reached itself (firewall: its --port), {}, or differs in --lossy",
+      wire::coordinator_port(domain), options.interface,
+      network.security.empty() ? "has --security, which this coordinator has not"
+                               : "has no identity (--security), one that ended, or one of another authority");
   return settings;
 }
 
@@ -60,11 +73,15 @@ Fleet::Fleet(std::shared_ptr<const Chain> chain, FleetOptions options, const Sto
       dispatcher_(settings_of(options_, dds_.domain)),
       meanings_(*chain_),
       reference_(std::move(reference)),
-      home_choice_(std::max(1U, std::thread::hardware_concurrency())) {
+      home_choice_(std::max(1U, std::thread::hardware_concurrency())),
+      certificates_(options_.network.security) {
   onlookers_.watch(options_.watch_workers);
 }
 
 Fleet::~Fleet() {
+  if (options_.watch) {
+    options_.watch(status());
+  }
   local_.reset();  // while DDS still acknowledges what the workers say last
 }
 
@@ -287,8 +304,35 @@ Result<void> Fleet::act() {
       break;
     }
   }
-  onlookers_.show(dds_, run_, dispatcher_, Clock::now());
+  const auto now = Clock::now();
+  if (const std::string line = certificates_.look(); !line.empty()) {
+    spdlog::warn("{}", line);
+  }
+  onlookers_.show(dds_, run_, dispatcher_, now);
+  if (options_.watch && now >= next_watch_) {
+    next_watch_ = now + kWatchInterval;
+    options_.watch(status());
+  }
   return {};
+}
+
+FleetStatus Fleet::status() const {
+  FleetStatus status;
+  status.statistics = statistics();
+  status.epochs = epochs_;
+  status.sources = dispatcher_.sources();
+  for (const auto& [id, worker] : dispatcher_.roster().all()) {
+    const std::size_t batches = dispatcher_.flight().load(id);
+    ++(!worker.ready() ? status.joining : batches > 0 ? status.evaluating : status.idle);
+    if (worker.ready()) {
+      status.lanes += worker.lanes;
+      status.lanes_busy += std::min(worker.lanes, batches);
+    }
+    status.in_flight += dispatcher_.flight().backlog(id);
+  }
+  status.waiting = dispatcher_.flight().waiting();
+  status.requests = works_.size();
+  return status;
 }
 
 void Fleet::sleep() {

@@ -19,6 +19,7 @@
 #include "common/chain/chain.hpp"
 #include "common/fitness/meaning.hpp"
 #include "common/stop.hpp"
+#include "common/wire/credentials.hpp"
 #include "coordinator/dispatch/dispatcher.hpp"
 #include "coordinator/dispatch/evaluator.hpp"
 #include "coordinator/dispatch/home_choice.hpp"
@@ -29,6 +30,7 @@
 #include "coordinator/fleet/local_workers.hpp"
 #include "coordinator/fleet/onlookers.hpp"
 #include "coordinator/fleet/request_work.hpp"
+#include "coordinator/metrics/fleet_status.hpp"
 
 namespace coppice {
 
@@ -43,6 +45,8 @@ struct FleetOptions {
   double cross_check = 0.0;                       // share of all units, see CrossCheck
   InFlightLimits limits;
   bool may_stay_home = false;  // evaluations may be computed here where sending takes longer, see HomeChoice
+  // Called on the dispatching thread, about once a second while it acts. May be empty.
+  std::function<void(const FleetStatus&)> watch;
   // Called on the dispatching thread after each batch went out, with the process that got it. May be empty.
   std::function<void(pid_t)> batch_sent;
   WatchWorkers watch_workers;  // may be empty
@@ -81,6 +85,11 @@ class Fleet {
   };
   // The same for an evaluation.
   Evaluated take_tallies(RequestId id);
+  // An epoch of a deme that was taken, and its individuals: for the statistics.
+  void took_epoch(std::uint64_t individuals) {
+    ++epochs_;
+    statistics_.individuals += individuals;
+  }
   // Ends all requests.
   void abandon();
 
@@ -92,6 +101,7 @@ class Fleet {
   void wake() const { dds_.waiter.wake(); }
 
   DispatchStatistics statistics() const;
+  FleetStatus status() const;
   std::uint32_t domain() const { return dds_.domain; }
   // Processes that hold the chain and take batches.
   std::vector<pid_t> ready_pids() const;
@@ -151,6 +161,9 @@ class Fleet {
   std::map<ComputeId, std::unique_ptr<Apart>> apart_;
   std::vector<Objective> checked_objectives_;
   DispatchStatistics statistics_;  // of what the dispatcher does not see
+  std::uint64_t epochs_ = 0;
+  wire::CertificateWatch certificates_;
+  Clock::time_point next_watch_{};
 
   std::vector<DispatchEvent> events_;
   Clock::time_point wake_at_;

@@ -21,14 +21,7 @@ DemeEvolver* FleetEvaluator::demes(const EvolveConfig& config) {
   return &*demes_;
 }
 
-// The dispatcher counts units.
-DispatchStatistics FleetEvaluator::statistics() const {
-  DispatchStatistics all = fleet_->statistics();
-  if (demes_) {
-    all.individuals += demes_->individuals() - demes_->epochs();
-  }
-  return all;
-}
+DispatchStatistics FleetEvaluator::statistics() const { return fleet_->statistics(); }
 
 Result<std::vector<Tally>> FleetEvaluator::evaluate(std::span<const Tree> trees, const Job& job) {
   auto at_home = fleet_->evaluate_at_home(trees, job);

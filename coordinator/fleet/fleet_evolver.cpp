@@ -41,10 +41,11 @@ std::optional<DemeEvolver::Finished> FleetEvolver::take_ended() {
   tickets_.erase(done);
   const Fleet::Finished finished = fleet_.take(request);
   Finished ended{ticket, static_cast<const EpochWork&>(*finished.work).result(finished.outcomes.front())};
-  ++epochs_;
+  std::uint64_t individuals = 0;
   for (const GenerationRecord& record : ended.result.records) {
-    individuals_ += record.evaluations;
+    individuals += record.evaluations;
   }
+  fleet_.took_epoch(individuals);
   return ended;
 }
 

@@ -29,10 +29,6 @@ class FleetEvolver : public DemeEvolver {
   // What was submitted is forgotten; for after a failure of the fleet, which ends all requests.
   void forget() { tickets_.clear(); }
 
-  // Epochs that have ended, and their individuals.
-  std::uint64_t epochs() const { return epochs_; }
-  std::uint64_t individuals() const { return individuals_; }
-
  private:
   using Bytes = std::shared_ptr<const std::vector<std::uint8_t>>;
   const Bytes& packed(const std::shared_ptr<const EvolveConfig>& config, bool begins);
@@ -46,8 +42,6 @@ class FleetEvolver : public DemeEvolver {
   std::shared_ptr<const EvolveConfig> config_;  // that was packed last
   Bytes begins_;
   Bytes goes_on_;
-  std::uint64_t epochs_ = 0;
-  std::uint64_t individuals_ = 0;
 };
 
 }  // namespace coppice

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/check.hpp"
+#include "common/wire/credentials.hpp"
 #include "coordinator/dispatch/serial_evaluator.hpp"
 #include "coordinator/fleet/endpoints.hpp"
 #include "coordinator/fleet/fleet_evaluator.hpp"
@@ -11,7 +12,7 @@ namespace coppice {
 namespace {
 
 wire::Network network_of(const EvaluatorChoice& choice) {
-  return {.security = choice.security, .lossy = choice.lossy, .port = std::nullopt};
+  return {.security = choice.security, .lossy = choice.lossy, .advertise = choice.advertise, .port = std::nullopt};
 }
 
 }  // namespace
@@ -31,6 +32,12 @@ Result<FleetOptions> remote_options(const EvaluatorChoice& choice) {
   options.wait_limit = choice.wait_limit;
   options.cross_check = choice.cross_check;
   options.watch_workers = choice.watch_workers;
+  if (choice.metrics != nullptr) {
+    options.watch = [metrics = choice.metrics, folder = choice.security](FleetStatus status) {
+      status.certificates = wire::certificate_ends(folder);
+      metrics->fleet(status);
+    };
+  }
   if (choice.kind == EvaluatorChoice::Kind::remote) {
     options.domain = choice.domain.value_or(kDefaultRemoteDomain);
     options.interface = choice.interface;

@@ -15,6 +15,7 @@
 #include "common/stop.hpp"
 #include "coordinator/dispatch/evaluator.hpp"
 #include "coordinator/fleet/evaluator_pool.hpp"
+#include "coordinator/metrics/run_metrics.hpp"
 
 namespace coppice {
 
@@ -30,9 +31,11 @@ struct EvaluatorChoice {
   std::filesystem::path worker_program;  // local: empty: find_worker_program()
   std::optional<std::uint32_t> domain;   // DDS domain; local: a free one if not given; remote: 0
   std::string interface = "lo";          // remote: the network interface to listen on, by name or address
+  std::string advertise;                 // remote: see wire::Network; empty: its own address
   std::filesystem::path security;        // remote: folder of an identity under DDS Security; empty: none
   bool lossy = false;                    // remote: small packets, quick repair
   double cross_check = 0.0;              // share of all individuals that is evaluated here again
+  std::shared_ptr<RunMetrics> metrics;   // is told what happens; may be null
   std::chrono::seconds wait_limit{600};  // without any worker for this long, evaluation fails
   WatchWorkers watch_workers = {};       // not serial: hears of the workers; may be empty
 };

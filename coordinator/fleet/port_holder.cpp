@@ -18,23 +18,28 @@ namespace fs = std::filesystem;
 struct Socket {
   uid_t user = 0;
   std::string inode;
+  bool ipv6 = false;
 };
 
-// A row of /proc/net/udp (proc(5)): sl, local address:port in hexadecimal, ..., uid, timeout, inode.
+// A row of /proc/net/udp and of /proc/net/udp6 (proc(5)): sl, local address:port in hexadecimal, ..., uid, timeout,
+// inode.
 std::optional<Socket> socket_at(std::uint32_t port) {
   constexpr std::size_t kLocal = 1;
   constexpr std::size_t kUser = 7;
   constexpr std::size_t kInode = 9;
-  std::ifstream table("/proc/net/udp");
   const std::string suffix = fmt::format(":{:04X}", port);
-  for (std::string line; std::getline(table, line);) {
-    std::istringstream stream(line);
-    const std::vector<std::string> fields(std::istream_iterator<std::string>(stream), {});
-    if (fields.size() > kInode && fields[kLocal].ends_with(suffix)) {
-      Socket socket;
-      std::from_chars(fields[kUser].data(), fields[kUser].data() + fields[kUser].size(), socket.user);
-      socket.inode = fields[kInode];
-      return socket;
+  for (const bool ipv6 : {false, true}) {
+    std::ifstream table(ipv6 ? "/proc/net/udp6" : "/proc/net/udp");
+    for (std::string line; std::getline(table, line);) {
+      std::istringstream stream(line);
+      const std::vector<std::string> fields(std::istream_iterator<std::string>(stream), {});
+      if (fields.size() > kInode && fields[kLocal].ends_with(suffix)) {
+        Socket socket;
+        std::from_chars(fields[kUser].data(), fields[kUser].data() + fields[kUser].size(), socket.user);
+        socket.inode = fields[kInode];
+        socket.ipv6 = ipv6;
+        return socket;
+      }
     }
   }
   return std::nullopt;
@@ -77,6 +82,7 @@ std::optional<PortHolder> udp_port_holder(std::uint32_t port) {
   }
   PortHolder holder;
   holder.user = user_name(socket->user);
+  holder.ipv6 = socket->ipv6;
   const std::string link = fmt::format("socket:[{}]", socket->inode);
   std::error_code error;
   for (fs::directory_iterator process("/proc", error), end; !error && process != end; process.increment(error)) {

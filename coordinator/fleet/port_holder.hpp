@@ -12,6 +12,7 @@ struct PortHolder {
   std::string user;          // by name, else by number
   std::optional<pid_t> pid;  // unknown where the process is another user's
   std::string command;       // its command line, cut to kMostCommand characters; not fit for a terminal as it is
+  bool ipv6 = false;         // the port is one of IPv6
   static constexpr std::size_t kMostCommand = 200;
 };
 

@@ -59,7 +59,7 @@ Result<bool> listen(const wire::Participant& participant, Clock::time_point end,
 
 // In the coordinator's place, without a run to offer: workers say Hello and go on waiting.
 Result<WorkerList> hear_workers(const WorkerListOptions& options, const StopFlag& stop) {
-  const wire::Network network{.security = options.security, .lossy = false, .port = std::nullopt};
+  const wire::Network network{.security = options.security, .lossy = false, .advertise = {}, .port = std::nullopt};
   const auto participant = wire::Participant::join(
       options.domain, wire::coordinator_configuration(options.interface.empty() ? "lo" : options.interface, network));
   if (!participant) {
@@ -93,7 +93,7 @@ Result<WorkerList> hear_workers(const WorkerListOptions& options, const StopFlag
 
 Result<std::optional<WorkerList>> ask_coordinator(const std::string& host, const WorkerListOptions& options,
                                                   const StopFlag& stop) {
-  const wire::Network network{.security = options.security, .lossy = false, .port = std::nullopt};
+  const wire::Network network{.security = options.security, .lossy = false, .advertise = {}, .port = options.port};
   const auto configuration = wire::worker_configuration(host, options.domain, network);
   if (!configuration) {
     return tl::unexpected(configuration.error());
@@ -140,10 +140,13 @@ Result<WorkerList> list_workers(const WorkerListOptions& options, const StopFlag
   }
   std::vector<std::string> hosts = {options.coordinator};
   if (options.coordinator.empty()) {
-    if (!udp_port_holder(wire::coordinator_port(options.domain))) {
+    const auto holder = udp_port_holder(wire::coordinator_port(options.domain));
+    if (!holder) {
       return hear_workers(options, stop);
     }
     hosts = wire::addresses_of(options.interface);  // where a coordinator of this machine may listen
+    std::erase_if(hosts,
+                  [&](const std::string& host) { return (host.find(':') != std::string::npos) != holder->ipv6; });
   }
   for (const std::string& host : hosts) {
     auto list = ask_coordinator(host, options, stop);

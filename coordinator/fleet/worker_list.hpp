@@ -28,10 +28,11 @@ struct WorkerList {
 
 struct WorkerListOptions {
   std::uint32_t domain = 0;
-  std::string coordinator;           // host; empty: this machine
-  std::string interface;             // of this machine, by name or address; empty: any
-  std::filesystem::path security;    // folder of a coordinator's identity; empty: none
-  std::chrono::seconds patience{3};  // for a coordinator to answer
+  std::string coordinator;            // host; empty: this machine
+  std::string interface;              // of this machine, by name or address; empty: any
+  std::filesystem::path security;     // folder of a coordinator's identity; empty: none
+  std::optional<std::uint16_t> port;  // of this machine, that a firewall lets the answer through; empty: any
+  std::chrono::seconds patience{3};   // for a coordinator to answer
 };
 
 // How long it listens to workers where there is no coordinator. It holds the coordinator's port meanwhile.

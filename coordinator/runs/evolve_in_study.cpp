@@ -99,6 +99,21 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
   report.config = started->config;
   report.evaluator = task.evaluator;
   report.begin = started->checkpoint ? started->checkpoint->generation + 1 : 0;
+  RunMetrics* const metrics = task.evaluator.metrics.get();
+  const std::string name = fmt::format("{}#{}", study.path(), static_cast<std::int64_t>(run));
+  if (metrics != nullptr) {
+    metrics->run_started(name, started->config.ga.generations, report.begin);
+  }
+  const auto show = [&](const GenerationRecord& record) {
+    const DispatchStatistics statistics = (*evaluator)->statistics();
+    if (metrics != nullptr) {
+      metrics->statistics(statistics);
+      metrics->generation_done(name, record);
+    }
+    if (watch.generation_done) {
+      watch.generation_done(record, statistics);
+    }
+  };
   if (watch.started) {
     watch.started(run, started->config.ga.generations, report.begin);
   }
@@ -115,9 +130,7 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
       return saved;
     }
     for (const GenerationRecord& record : records) {
-      if (watch.generation_done) {
-        watch.generation_done(record, (*evaluator)->statistics());
-      }
+      show(record);
     }
     return stop.raised() ? interrupted() : Result<void>();
   };

@@ -151,14 +151,24 @@ class SweepInFolder {
     };
     settings.episodes = task_.plan.episodes;
     settings.steps = world_ ? learned_steps(study_) : settings.steps;
+    RunMetrics* const metrics = task_.evaluator.metrics.get();
     SweepHooks hooks;
     hooks.run_done = [&](std::size_t run, const SweepResult& result) {
       report.results[places[run]] = result;
       ++progress.ended;
+      if (metrics != nullptr) {
+        metrics->forget(std::to_string(places[run] + 1));
+        metrics->runs(progress.ended, progress.runs);
+      }
       return journal.add(missing[run].config, result);
     };
-    hooks.generation_done = [&] {
+    hooks.generation_done = [&](std::size_t run, const GenerationRecord& record) {
       ++progress.done;
+      if (metrics != nullptr) {
+        const std::string name = std::to_string(places[run] + 1);
+        metrics->run_started(name, missing[run].config.ga.generations, 0);
+        metrics->generation_done(name, record);
+      }
       progress.workers = pool_ != nullptr ? pool_->statistics().workers_alive : 0;
       progress_(progress);
     };

@@ -161,7 +161,7 @@ Error error_of(const std::string& path, const SQLite::Exception& exception) {
 }
 
 Error damaged(const std::string& path, const std::string& what) {
-  return {ErrorKind::bad_input, fmt::format("{}: damaged: {}", path, what)};
+  return {ErrorKind::damaged, fmt::format("{}: damaged: {}", path, what)};
 }
 
 SQLite::Database create_database(const std::string& path) {

@@ -65,7 +65,7 @@ class Sweep {
 
   void take_runs(Evaluator& evaluator) {
     for (std::size_t run = next_++; run < runs_.size() && !ended(); run = next_++) {
-      const auto result = evolve_one(runs_[run].config, evaluator);
+      const auto result = evolve_one(run, evaluator);
       if (!result) {
         end(result.error());
         return;
@@ -83,7 +83,8 @@ class Sweep {
     }
   }
 
-  Result<SweepResult> evolve_one(const EvolveConfig& config, Evaluator& evaluator) {
+  Result<SweepResult> evolve_one(std::size_t run, Evaluator& evaluator) {
+    const EvolveConfig& config = runs_[run].config;
     const Clock::time_point begin = Clock::now();
     SweepResult result;
     EvolveHooks hooks;
@@ -101,7 +102,7 @@ class Sweep {
       }
       const std::lock_guard lock(hooks_mutex_);
       for (std::size_t i = 0; hooks_.generation_done && i < records.size(); ++i) {
-        hooks_.generation_done();
+        hooks_.generation_done(run, records[i]);
       }
       return {};
     };

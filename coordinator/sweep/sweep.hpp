@@ -51,8 +51,8 @@ struct SweepSettings {
 struct SweepHooks {
   // A run of the list has ended. An error ends the sweep. May be empty.
   std::function<Result<void>(std::size_t run, const SweepResult&)> run_done;
-  // Some run has finished a generation. May be empty.
-  std::function<void()> generation_done;
+  // A run of the list has finished a generation. May be empty.
+  std::function<void(std::size_t run, const GenerationRecord&)> generation_done;
 };
 
 // Runs all of `runs`, starting them in their order; answers are simulated if there is a world. Errors: the first of any

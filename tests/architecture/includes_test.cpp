@@ -25,13 +25,15 @@ common/chain           common/tree
 common/fitness         common/tree common/chain
 common/evolution       common/tree common/chain common/fitness
 common/wire            common/tree common/chain common/fitness common/evolution
-worker                 common/tree common/chain common/fitness common/evolution common/wire
+common/metrics
+worker                 common/tree common/chain common/fitness common/evolution common/wire common/metrics
 coordinator/console
 coordinator/learning   common/tree common/chain
 coordinator/problem    common/tree
 coordinator/exchange   common/tree common/chain coordinator/problem
 coordinator/dispatch   common/tree common/chain common/fitness common/evolution
-coordinator/fleet      common/tree common/chain common/fitness common/evolution common/wire coordinator/dispatch
+coordinator/metrics    common/evolution common/metrics coordinator/dispatch
+coordinator/fleet      common/metrics coordinator/metrics common/tree common/chain common/fitness common/evolution common/wire coordinator/dispatch
 coordinator/bench      common/tree common/chain common/fitness common/evolution coordinator/evolution coordinator/dispatch coordinator/fleet coordinator/console
 coordinator/evolution  common/tree common/chain common/fitness common/evolution coordinator/dispatch
 coordinator/study      common/tree common/chain common/fitness common/evolution coordinator/learning coordinator/evolution coordinator/problem
@@ -40,9 +42,9 @@ coordinator/trust      common/tree common/chain coordinator/learning coordinator
 coordinator/refine     common/tree common/chain common/evolution coordinator/learning coordinator/evolution coordinator/study coordinator/report coordinator/console
 coordinator/reproduce  common/tree common/chain common/evolution coordinator/learning coordinator/evolution coordinator/dispatch coordinator/fleet coordinator/study coordinator/report coordinator/trust coordinator/console
 coordinator/sweep      common/tree common/chain common/fitness common/evolution coordinator/learning coordinator/dispatch coordinator/evolution coordinator/report coordinator/console
-coordinator/runs       common/tree common/chain common/fitness common/evolution coordinator/learning coordinator/dispatch coordinator/fleet coordinator/evolution coordinator/study coordinator/report coordinator/sweep coordinator/problem coordinator/exchange coordinator/console
+coordinator/runs       coordinator/metrics common/tree common/chain common/fitness common/evolution coordinator/learning coordinator/dispatch coordinator/fleet coordinator/evolution coordinator/study coordinator/report coordinator/sweep coordinator/problem coordinator/exchange coordinator/console
 coordinator/studio     coordinator/problem coordinator/exchange common/tree common/chain common/evolution coordinator/learning coordinator/evolution coordinator/study coordinator/report coordinator/trust coordinator/console
-coordinator/commands   common/tree common/chain common/fitness common/evolution coordinator coordinator/learning coordinator/dispatch coordinator/fleet coordinator/bench coordinator/evolution coordinator/study coordinator/report coordinator/sweep coordinator/trust coordinator/refine coordinator/reproduce coordinator/runs coordinator/studio coordinator/console coordinator/problem coordinator/exchange
+coordinator/commands   common/metrics coordinator/metrics common/tree common/chain common/fitness common/evolution coordinator coordinator/learning coordinator/dispatch coordinator/fleet coordinator/bench coordinator/evolution coordinator/study coordinator/report coordinator/sweep coordinator/trust coordinator/refine coordinator/reproduce coordinator/runs coordinator/studio coordinator/console coordinator/problem coordinator/exchange
 coordinator            coordinator/commands coordinator/console
 )";
 

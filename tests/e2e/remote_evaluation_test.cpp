@@ -294,7 +294,7 @@ TEST_F(RemoteEvaluation, GivesUpAfterTheWaitLimitWhenNoWorkerComes) {
   ASSERT_TRUE(evaluator.has_value());
   const auto tallies = (*evaluator)->evaluate(trees_, job(0));
   ASSERT_FALSE(tallies.has_value());
-  EXPECT_EQ(tallies.error().kind, ErrorKind::failed);
+  EXPECT_EQ(tallies.error().kind, ErrorKind::no_worker);
   EXPECT_NE(tallies.error().message.find("no worker within"), std::string::npos) << tallies.error().message;
 }
 

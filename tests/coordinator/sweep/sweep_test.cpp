@@ -71,7 +71,7 @@ TEST_F(SweepOnSmallChain, EndsWithTheErrorOfAHookAndReportsNoMore) {
 TEST_F(SweepOnSmallChain, StopsWhenItIsToldTo) {
   int generations = 0;
   SweepHooks hooks;
-  hooks.generation_done = [&] {
+  hooks.generation_done = [&](std::size_t, const GenerationRecord&) {
     if (++generations == 7) {
       stop_.raise();
     }

@@ -19,6 +19,10 @@ namespace coppice::e2e {
 inline constexpr Ending kDone{0, 0};
 inline constexpr Ending kFailed{1, 0};
 inline constexpr Ending kWrongUse{2, 0};
+inline constexpr Ending kBadInput{3, 0};
+inline constexpr Ending kInterrupted{4, 0};
+inline constexpr Ending kNoWorker{5, 0};
+inline constexpr Ending kDamaged{6, 0};
 
 inline const std::string kWallTree = "(selector (sequence s3=0 turn_left) move)";
 
@@ -49,11 +53,17 @@ class CommandLine : public ::testing::Test {
     ASSERT_EQ(completed.ending, kDone) << completed.error;
   }
 
-  // Wrong use: exit code 2, nothing on standard output, and one line on standard error that names all of `parts`.
+  // Wrong use or bad input: exit code 2 for what the command line says, which the line then begins with or the parser
+  // says, 3 for what a file holds, 6 for a damaged study; nothing on standard output, and one line on standard error
+  // that names all of `parts`.
   void expect_wrong_use(std::vector<std::string> arguments, const std::vector<std::string>& parts,
                         std::string_view input = {}) const {
     const Completed completed = coppice(std::move(arguments), input);
-    EXPECT_EQ(completed.ending, kWrongUse) << completed.error;
+    const std::string& said = completed.error;
+    const bool of_flag = said.rfind("coppice: -", 0) == 0 || said.find("--help)") != std::string::npos ||
+                         said.find("is no command and no topic") != std::string::npos;
+    const bool of_damage = said.find(": damaged: ") != std::string::npos;
+    EXPECT_EQ(completed.ending, of_flag ? kWrongUse : of_damage ? kDamaged : kBadInput) << said;
     EXPECT_EQ(completed.output, "");
     EXPECT_EQ(completed.error.rfind("coppice: ", 0), 0U) << completed.error;
     EXPECT_EQ(std::count(completed.error.begin(), completed.error.end(), '\n'), 1) << completed.error;

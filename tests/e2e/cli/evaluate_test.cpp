@@ -157,7 +157,7 @@ TEST_F(Evaluate, ASignalEndsTheWaitForMoreTrees) {
   process.write_input("move\n\n");
   ASSERT_TRUE(process.read_output_line());
   process.signal(SIGTERM);
-  EXPECT_EQ(process.wait(), kFailed);
+  EXPECT_EQ(process.wait(), kInterrupted);
   EXPECT_NE(process.rest_of_error().find("interrupted"), std::string::npos);
 }
 

@@ -112,7 +112,7 @@ TEST_F(Evolve, AnInterruptionKeepsTheBestSoFarAndResumeGoesOn) {
   Process process(command(endless));
   process.await_error("evolve: 5/100000 generations");
   process.signal(SIGINT);
-  EXPECT_EQ(process.wait(), kFailed);
+  EXPECT_EQ(process.wait(), kInterrupted);
   EXPECT_NE(process.rest_of_output().find("pruned, "), std::string::npos);
   EXPECT_NE(process.rest_of_error().find("interrupted; resume with: coppice evolve study.coppice --resume"),
             std::string::npos);
@@ -126,7 +126,7 @@ TEST_F(Evolve, AnInterruptionKeepsTheBestSoFarAndResumeGoesOn) {
   Process resumed(command({"evolve", "study.coppice", "--serial", "--resume", "--lines-every", "1"}));
   resumed.await_error("evolve: " + std::to_string(saved + 1) + "/100000 generations");
   resumed.signal(SIGTERM);
-  EXPECT_EQ(resumed.wait(), kFailed);
+  EXPECT_EQ(resumed.wait(), kInterrupted);
   const auto runs = coppice_json({"info", "study.coppice", "--json"})["runs"];
   ASSERT_EQ(runs.size(), 1U);
   EXPECT_GT(runs[0]["generations"], saved);

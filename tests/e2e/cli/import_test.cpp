@@ -75,7 +75,7 @@ TEST_F(ImportCommand, AModelBecomesAStudyWhosePolicyIsTheBest) {
       coppice({"evolve", "c.coppice", "--serial", "--config", "thesis", "--set", "ga.generations=20"});
   EXPECT_EQ(evolved.ending, kDone) << evolved.error;
   const Completed score = coppice({"score", "c.coppice", "--tree", "right"});
-  EXPECT_EQ(score.ending, kWrongUse) << "nothing to simulate";
+  EXPECT_EQ(score.ending, kBadInput) << "nothing to simulate";
 }
 
 TEST_F(ImportCommand, AProblemFileAndFlagsAreHeeded) {

@@ -61,7 +61,7 @@ TEST_F(Learn, AnInterruptionLeavesNoFile) {
   Process process(command({"learn", "-o", "a.coppice", "--episodes", "28000000"}));
   process.await_blocked(SIGINT);
   process.signal(SIGINT);
-  EXPECT_EQ(process.wait(), kFailed) << process.rest_of_error();
+  EXPECT_EQ(process.wait(), kInterrupted) << process.rest_of_error();
   EXPECT_TRUE(files().empty());
 }
 
@@ -69,9 +69,9 @@ TEST_F(Learn, SynthStartsAStudyThatCanBeEvaluatedButNotScored) {
   const auto made = coppice_json({"synth", "-o", "s.coppice", "--states", "70000", "--branching", "3", "--json"});
   EXPECT_EQ(made["transitions"], 70000 * 3 * 3);
   const Completed again = coppice({"synth", "-o", "s.coppice", "--states", "10", "--branching", "2"});
-  EXPECT_EQ(again.ending, kWrongUse);
+  EXPECT_EQ(again.ending, kBadInput);
   const Completed scored = coppice({"score", "s.coppice", "--tree", "a0"});
-  EXPECT_EQ(scored.ending, kWrongUse);
+  EXPECT_EQ(scored.ending, kBadInput);
   EXPECT_NE(scored.error.find("no world"), std::string::npos) << scored.error;
   // Beyond the states that tables are made for: walked lazily, serially and by workers alike.
   write("trees", "a0\n(selector (sequence f0=1 f3<=1 a0) (sequence f1=2 a1) a2)\n");

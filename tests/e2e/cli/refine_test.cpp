@@ -110,7 +110,7 @@ TEST_F(Refine, InterruptedKeepsTheRoundsBeforeAndTheBestSoFar) {
   Process process(command(arguments));
   process.await_error("evolve: 30/100000");
   process.signal(SIGINT);
-  EXPECT_EQ(process.wait(), kFailed);
+  EXPECT_EQ(process.wait(), kInterrupted);
   const auto report = nlohmann::json::parse(process.rest_of_output());
   ASSERT_EQ(report["rounds"].size(), 2U);
   EXPECT_FALSE(report["rounds"][0]["interrupted"]);

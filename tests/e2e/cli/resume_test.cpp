@@ -52,7 +52,7 @@ TEST_F(Resume, OfARunThatIsStillGoingIsRefused) {
   EXPECT_NE(refused.ending, kDone);
   EXPECT_NE(refused.error.find("run 1"), std::string::npos) << refused.error;
   going.signal(SIGINT);
-  EXPECT_EQ(going.wait(), kFailed);
+  EXPECT_EQ(going.wait(), kInterrupted);
 }
 
 TEST_F(Resume, OfNothingIsRefused) {

@@ -66,7 +66,7 @@ TEST_F(TreeCommands, StandardErrorThatCannotBeWrittenChangesNothing) {
   EXPECT_EQ(shell("\"$0\" evolve study.coppice --serial --set ga.generations=2 --lines-every 1 2>/dev/full").ending,
             kDone);
   EXPECT_EQ(shell("\"$0\" learn -o b.coppice --episodes 100 2>&-").ending, kDone);
-  EXPECT_EQ(shell("\"$0\" info nofile 2>/dev/full").ending, kWrongUse);
+  EXPECT_EQ(shell("\"$0\" info nofile 2>/dev/full").ending, kBadInput);
 }
 
 TEST_F(TreeCommands, ClosedStandardInputIsAnEmptyOne) {
@@ -85,7 +85,7 @@ TEST_F(TreeCommands, AnInterruptionEndsScoring) {
   Process process(command({"score", "study.coppice", "--tree", "move", "--episodes", "100000000"}));
   process.await_blocked(SIGTERM);
   process.signal(SIGTERM);
-  EXPECT_EQ(process.wait(), kFailed);
+  EXPECT_EQ(process.wait(), kInterrupted);
   EXPECT_NE(process.rest_of_error().find("interrupted"), std::string::npos);
 }
 

@@ -96,7 +96,7 @@ TEST_F(Trust, AnInterruptionEndsVerifying) {
   Process process(command({"verify", "study.coppice", "--tree", kWallTree, "--resamples", "100000"}));
   process.await_blocked(SIGTERM);
   process.signal(SIGTERM);
-  EXPECT_EQ(process.wait(), kFailed);
+  EXPECT_EQ(process.wait(), kInterrupted);
   EXPECT_NE(process.rest_of_error().find("interrupted"), std::string::npos);
 }
 

@@ -164,4 +164,38 @@ void Hosts::admit_only(std::size_t host, const std::string& rules) const {
                   rules));
 }
 
+void Hosts::ip_on(std::size_t host, const std::string& arguments) const { ip("-n " + name(host) + " " + arguments); }
+
+// Without duplicate address detection, which takes seconds.
+void Hosts::use_ipv6_only() const {
+  for (std::size_t host = 1; host <= count_; ++host) {
+    ip_on(host, "-4 addr flush dev eth0");
+    ip_on(host, fmt::format("addr add {}/64 dev eth0 nodad", address6(host)));
+    ip_on(host, fmt::format("addr add {}/64 dev eth0 nodad", link_local(host)));
+  }
+}
+
+void Hosts::hide_behind(std::size_t router, std::size_t hidden, int port) const {
+  ip_on(hidden, "-4 addr flush dev eth0");
+  ip_on(hidden, fmt::format("addr add 10.98.0.{}/24 dev eth0", hidden));
+  ip_on(router, "addr add 10.98.0.254/24 dev eth0");
+  ip_on(hidden, "route add default via 10.98.0.254");
+  run({.program = kIp,
+       .arguments = {"netns", "exec", name(router), "/bin/sh", "-c", "echo 1 > /proc/sys/net/ipv4/ip_forward"}});
+  run({.program = kIp, .arguments = {"netns", "exec", name(router), kNft, "-f", "-"}},
+      fmt::format("table ip nat {{\nchain arriving {{\ntype nat hook prerouting priority -100\n"
+                  "ip daddr {0} udp dport {1} dnat to 10.98.0.{2}\n}}\n"
+                  "chain leaving {{\ntype nat hook postrouting priority 100\n"
+                  "ip saddr 10.98.0.0/24 ip daddr 10.99.0.0/24 masquerade\n}}\n}}\n",
+                  address(router), port, hidden));
+}
+
+void Hosts::join_directly(std::size_t one, std::size_t other) const {
+  ip(fmt::format("link add eth1 netns {} type veth peer name eth1 netns {}", name(one), name(other)));
+  for (const std::size_t host : {one, other}) {
+    ip_on(host, fmt::format("addr add 10.97.0.{}/24 dev eth1", host));
+    ip_on(host, "link set eth1 up");
+  }
+}
+
 }  // namespace coppice::e2e

@@ -42,6 +42,16 @@ class Hosts {
   void hasten(std::size_t host);
   // nftables rules in a chain that sees what a host takes in; all else is dropped but on its loopback interface.
   void admit_only(std::size_t host, const std::string& rules) const;
+  // `ip -n HOST arguments`, for addresses and routes of a test's own.
+  void ip_on(std::size_t host, const std::string& arguments) const;
+  // What this IPv6 host is called here: a global (unique local) address and a link-local one, both at once usable.
+  static std::string address6(std::size_t host) { return "fd00:99::" + std::to_string(host); }
+  static std::string link_local(std::size_t host) { return "fe80::99:" + std::to_string(host); }
+  void use_ipv6_only() const;
+  // From now on `hidden` is in a network of its own behind `router`, which forwards a UDP port of its own to it.
+  void hide_behind(std::size_t router, std::size_t hidden, int port) const;
+  // A second interface, eth1, that joins two hosts alone: 10.97.0.HOST.
+  void join_directly(std::size_t one, std::size_t other) const;
 
  private:
   std::string name(std::size_t host) const { return prefix_ + "h" + std::to_string(host); }

@@ -72,7 +72,7 @@ TEST_F(Lies, AreUndoneFromWhereTheRunWasResumed) {
     const auto first = start_coordinator(settings);
     first->await_error("evolve: 5/200");
     first->signal(SIGINT);
-    EXPECT_EQ(first->wait(), kFailed);
+    EXPECT_EQ(first->wait(), kInterrupted);
   }
   honest.signal(SIGKILL);
   honest.wait();

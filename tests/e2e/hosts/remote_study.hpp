@@ -29,7 +29,7 @@ class RemoteStudy : public EvolvedStudy {
   Command there(std::size_t host, Command command) const { return hosts_ ? hosts_->on(host, command) : command; }
 
   Command worker(std::vector<std::string> more = {}) const {
-    std::vector<std::string> arguments = {"--coordinator", hosts_ ? Hosts::address(kCoordinatorHost) : "127.0.0.1",
+    std::vector<std::string> arguments = {"--coordinator", hosts_ ? Hosts::address(coordinator_host_) : "127.0.0.1",
                                           "--domain", domain_};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return {.program = COPPICE_WORKER_PROGRAM, .arguments = std::move(arguments)};
@@ -45,7 +45,7 @@ class RemoteStudy : public EvolvedStudy {
       flags.insert(flags.end(), {"--interface", "eth0"});
     }
     flags.insert(flags.end(), more.begin(), more.end());
-    return there(kCoordinatorHost, command(evolve("study.coppice", flags)));
+    return there(coordinator_host_, command(evolve("study.coppice", flags)));
   }
   std::unique_ptr<Process> start_coordinator(const std::vector<std::string>& more) const {
     return std::make_unique<Process>(coordinator(more));
@@ -72,6 +72,7 @@ class RemoteStudy : public EvolvedStudy {
   }
 
   std::unique_ptr<Hosts> hosts_;
+  std::size_t coordinator_host_ = kCoordinatorHost;
   std::string domain_ = "0";
   std::string wait_ = "60";  // seconds
   std::vector<std::unique_ptr<Process>> workers_;

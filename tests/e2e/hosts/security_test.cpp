@@ -174,7 +174,7 @@ TEST_F(Security, KeepsWorkersFromACoordinatorWhoDoesNotBelong) {
   start_worker(0, secured({}, "ours/worker"));
   for (const auto& arguments : {kSettings, secured(kSettings, "theirs/coordinator")}) {
     const auto coordinator = start_coordinator(arguments);
-    EXPECT_EQ(coordinator->wait(), kFailed);
+    EXPECT_EQ(coordinator->wait(), kNoWorker);
     const std::string said = coordinator->rest_of_error();
     EXPECT_NE(said.find("no worker within 3 s"), std::string::npos) << said;
   }
@@ -232,6 +232,88 @@ TEST_F(Security, GivesEveryHostAnIdentityOfItsOwnThatCanBeRevoked) {
   EXPECT_EQ(revoked.wait(), kWrongUse);
   const std::string why = revoked.rest_of_error();
   EXPECT_NE(why.find("w1/certificate.pem was revoked"), std::string::npos) << why;
+}
+
+// Every certificate is another at the end: workers in turn, then the coordinator; then the list of the revoked names
+// one of the old ones.
+TEST_F(Security, SurvivesTheRotationOfEveryCertificateWhileARunGoesOn) {
+  const auto certificates = [&](std::vector<std::string> arguments) {
+    const Completed made = run_to_end({.program = COPPICE_SOURCE_DIR "/deploy/security/make-certificates.sh",
+                                       .arguments = std::move(arguments),
+                                       .folder = path("."),
+                                       .environment = {}});
+    ASSERT_EQ(made.ending, kDone) << made.error;
+  };
+  const auto renew = [&](const std::string& role, const std::string& name) {
+    certificates({"request", name});  // another key, too
+    certificates({"sign", "site", name + "/request.pem", role, name, "signed"});
+    ASSERT_EQ(shell("cp signed/* " + name).ending, kDone);
+  };
+  certificates({"authority", "site"});
+  renew("coordinator", "c1");
+  renew("worker", "w1");
+  renew("worker", "w2");
+  const std::vector<std::string> settings = {"--seed", "4", "--set", "ga.generations=1000"};
+  const auto expected = serial_runs(settings);
+  start_worker(0, secured({"--pace", "1ms"}, "w1"));
+  start_worker(0, secured({"--pace", "1ms"}, "w2"));
+  auto coordinator = start_coordinator(secured(settings, "c1"));
+  coordinator->await_error("2 workers");
+  const std::string before = read("w1/certificate.pem");
+  for (const std::string name : {"w1", "w2"}) {
+    write("old.pem", read(name + "/certificate.pem"));
+    ASSERT_EQ(shell("rm " + name + "/key.pem").ending, kDone);
+    renew("worker", name);
+    Process& worker = *workers_[name == "w1" ? 0 : 1];
+    worker.signal(SIGTERM);
+    EXPECT_EQ(worker.wait(), kDone);
+    coordinator->await_error(" 1 worker");
+    start_worker(0, secured({"--pace", "1ms"}, name));
+    coordinator->await_error("2 workers");
+  }
+  EXPECT_NE(read("w1/certificate.pem"), before);
+  certificates({"revoke", "site", "old.pem"});  // the last of the old ones
+  coordinator->signal(SIGTERM);
+  EXPECT_EQ(coordinator->wait(), kInterrupted);
+  ASSERT_EQ(shell("rm c1/key.pem && cp site/authority/crl.pem c1/").ending, kDone);
+  renew("coordinator", "c1");
+  coordinator = start_coordinator(secured({"--resume"}, "c1"));
+  coordinator->await_error("2 workers");
+  EXPECT_EQ(report_of(*coordinator)["dispatch"]["workers_lost"], 0);
+  expect_same_runs("study.coppice", expected);
+}
+
+// Both sides are told when a certificate ends while it is in use; the run goes on with the others.
+TEST_F(Security, TellsWhoseCertificateEndedInMidRun) {
+  if (!std::filesystem::exists(kFakeTime)) {
+    GTEST_SKIP() << "no " << kFakeTime << ": deploy/install-packages.sh tests installs it";
+  }
+  const auto sign = [&](const std::string& name, const std::string& clock) {
+    // Of one day, made almost a day ago.
+    const Completed made =
+        shell("set -e; M=" COPPICE_SOURCE_DIR "/deploy/security/make-certificates.sh; $M authority site; $M request " +
+              name + "; LD_PRELOAD=" + kFakeTime + " FAKETIME='" + clock + "' $M sign site " + name +
+              "/request.pem worker " + name + " signed --days 1; cp signed/* " + name);
+    ASSERT_EQ(made.ending, kDone) << made.error;
+  };
+  sign("short", "-86370");  // 30 s are left
+  ASSERT_EQ(
+      shell(
+          "M=" COPPICE_SOURCE_DIR
+          "/deploy/security/make-certificates.sh; $M request c1 && $M sign site c1/request.pem coordinator c1 "
+          "signed && cp signed/* c1 && $M request w2 && $M sign site w2/request.pem worker w2 signed && cp signed/* w2")
+          .ending,
+      kDone);
+  const std::vector<std::string> endless = {"--seed", "4", "--set", "ga.generations=100000"};
+  Process& ending = start_worker(0, secured({"--pace", "1ms"}, "short"));
+  start_worker(0, secured({"--pace", "1ms"}, "w2"));
+  const auto coordinator = start_coordinator(secured(endless, "c1"));
+  ending.await_error("short/certificate.pem ends in 0 days");
+  coordinator->await_error("2 workers");
+  ending.await_error("short/certificate.pem ended at ");
+  coordinator->await_error(" 1 worker");
+  coordinator->signal(SIGTERM);
+  EXPECT_EQ(coordinator->wait(), kInterrupted);
 }
 
 TEST_F(Security, WarnsBeforeAnIdentityEnds) {

@@ -10,6 +10,7 @@
 #include <signal.h>
 #include <sys/mount.h>
 #include <unistd.h>
+#include <utility>
 
 #include "tests/e2e/hosts/remote_study.hpp"
 
@@ -37,11 +38,7 @@ class SoakSite : public RemoteStudy {
     RemoteStudy::SetUp();
     std::filesystem::create_directory(path("disk"));
     mounted_ = geteuid() == 0 && mount("coppice-soak", path("disk").c_str(), "tmpfs", 0, "size=64m") == 0;
-    if (secured_) {
-      const Completed made = run_to_end(
-          {.program = COPPICE_SOURCE_DIR "/deploy/security/make-certificates.sh", .arguments = {path("ours")}});
-      ASSERT_EQ(made.ending, kDone) << made.error;
-    }
+    make_certificates();
     write("clock", "+0");
     chains_.push_back(read("study.coppice"));
     ASSERT_EQ(coppice({"learn", "-o", "other.coppice", "--episodes", "400", "--seed", "6"}).ending, kDone);
@@ -102,6 +99,44 @@ class SoakSite : public RemoteStudy {
     }
   }
 
+  // Also again: identities of everybody, other keys too.
+  void make_certificates() const {
+    const Completed made = run_to_end(
+        {.program = COPPICE_SOURCE_DIR "/deploy/security/make-certificates.sh", .arguments = {path("ours")}});
+    ASSERT_EQ(made.ending, kDone) << made.error;
+  }
+  // Standing workers serve one evolution after another, until one is secured as the last was not.
+  void choose_security() {
+    const bool secured = all_secured_ || below(2) == 0;
+    if (std::exchange(secured_, secured) != secured) {
+      workers_.clear();
+      doors_.clear();
+    }
+  }
+  // Those who run hold what they read when they started; new ones read the new files.
+  void rotate_certificates() {
+    make_certificates();
+    for (std::size_t left = workers_.size(); left > 0; --left) {
+      workers_.front()->signal(SIGTERM);
+      workers_.front()->wait();
+      remove_worker(0);
+      add_worker();
+      pass_up_to(std::chrono::milliseconds(300));
+    }
+    end_coordinator(SIGTERM);
+  }
+  // As Slurm does: the coordinator is lost and resumed on another host, where all workers follow it.
+  void requeue_coordinator() {
+    coordinator_->signal(SIGKILL);
+    coordinator_->wait();
+    coordinator_host_ = 1 + below(kHosts);
+    for (std::size_t left = workers_.size(); left > 0; --left) {
+      remove_worker(0);
+      add_worker();
+    }
+    resume();
+  }
+
   void add_worker() {
     const std::size_t host = some_host();
     const std::string port = std::to_string(kFirstPort + next_port_++ % kPorts);
@@ -138,7 +173,7 @@ class SoakSite : public RemoteStudy {
     std::vector<std::string> arguments = evolve("disk/study.coppice", flags);
     keep_coordinators_log();
     coordinator_ =
-        std::make_unique<Process>(there(kCoordinatorHost, perhaps_with_clock(command(std::move(arguments)))));
+        std::make_unique<Process>(there(coordinator_host_, perhaps_with_clock(command(std::move(arguments)))));
   }
 
   void replace_worker(int signal) {
@@ -152,7 +187,7 @@ class SoakSite : public RemoteStudy {
 
   void let_in(const char* program, std::vector<std::string> arguments) {
     Command stranger{.program = program, .arguments = std::move(arguments)};
-    stranger.environment = {{"COPPICE_STRANGER_HOST", address(kCoordinatorHost)}};
+    stranger.environment = {{"COPPICE_STRANGER_HOST", address(coordinator_host_)}};
     strangers_.push_back(std::make_unique<Process>(there(some_host(), stranger)));
   }
 
@@ -201,7 +236,8 @@ class SoakSite : public RemoteStudy {
     return list.empty() ? "none" : list.back()["status"].get<std::string>();
   }
 
-  const bool secured_ = std::getenv("COPPICE_SOAK_SECURITY") != nullptr;
+  const bool all_secured_ = std::getenv("COPPICE_SOAK_SECURITY") != nullptr;
+  bool secured_ = all_secured_;
   std::string logs_;  // folder
   std::size_t logged_ = 0;
   std::string history_;  // of faults, in this evolution

@@ -65,6 +65,13 @@ class Soak : public SoakSite {
          }},
         {"coordinator killed", [this] { end_coordinator(SIGKILL); }},
         {"coordinator asked to stop", [this] { end_coordinator(SIGINT); }},
+        {"certificates rotated",
+         [this] {
+           if (secured_) {
+             rotate_certificates();
+           }
+         }},
+        {"coordinator requeued", [this] { hosts_ ? requeue_coordinator() : end_coordinator(SIGKILL); }},
         {"stranger",
          [this] {
            let_in(COPPICE_STRANGER, {domain_, "knock"});
@@ -82,7 +89,7 @@ class Soak : public SoakSite {
          [this] {
            const std::string port = std::to_string(7410 + 250 * std::stoi(domain_));
            let_in(COPPICE_PELT, {std::to_string(random_()), std::to_string(1 + below(5)),
-                                 address(kCoordinatorHost) + ":" + port, doors_[below(doors_.size())]});
+                                 address(coordinator_host_) + ":" + port, doors_[below(doors_.size())]});
          }},
     };
     if (has_clocks_) {
@@ -147,6 +154,8 @@ class Soak : public SoakSite {
     }
     all_checked_ = below(2) == 0;
     choose_chain();
+    choose_security();
+    counts_["secured"] += secured_ ? 1 : 0;
     const auto expected = serial_runs(settings);
     for (const char* left : {"", "-wal", "-shm"}) {  // a coordinator killed at its very end leaves them to the next
       std::filesystem::remove(path(std::string("disk/study.coppice") + left));
@@ -166,7 +175,8 @@ class Soak : public SoakSite {
       }
     }
     const Ending ending = coordinator_->wait();
-    SCOPED_TRACE("seed " + settings[1] + ", chain " + std::to_string(chain_) + (all_checked_ ? ", all checked" : ""));
+    SCOPED_TRACE("seed " + settings[1] + ", chain " + std::to_string(chain_) + (all_checked_ ? ", all checked" : "") +
+                 (secured_ ? ", secured" : ""));
     ASSERT_EQ(status(), "finished") << "ended with exit code " << ending.exit_code.value_or(-1) << ", signal "
                                     << ending.signal;
     expect_same_runs("disk/study.coppice", expected);
@@ -198,8 +208,8 @@ TEST_F(Soak, EveryEvolutionEndsWithTheSerialResultWhateverHappens) {
     return std::chrono::duration<double, std::ratio<60>>(std::chrono::steady_clock::now() - begin).count();
   };
   std::cout << "soak of " << minutes_asked() << " minutes, seed " << seed
-            << (hosts_ ? ", on several hosts" : ", on one host") << (secured_ ? ", under DDS Security" : "")
-            << std::endl;
+            << (hosts_ ? ", on several hosts" : ", on one host")
+            << (all_secured_ ? ", under DDS Security" : ", under DDS Security at times") << std::endl;
   random_.seed(seed);
   double next_line = 0.0;
   for (int evolutions = 1; minutes() < minutes_asked() && !HasFailure(); ++evolutions) {

@@ -48,7 +48,7 @@ TEST_F(StandingWorkers, AreListedWhileTheyWaitAndWhileTheyWork) {
     EXPECT_NE(worker["doing"], "waiting for a coordinator");
   }
   coordinator->signal(SIGINT);
-  EXPECT_EQ(coordinator->wait(), kFailed);
+  EXPECT_EQ(coordinator->wait(), kInterrupted);
 }
 
 TEST_F(StandingWorkers, ServeOneCoordinatorAfterAnotherAndKeepTheChain) {
@@ -94,7 +94,7 @@ TEST_F(StandingWorkers, AreAskedForByACoordinatorThatSaysWhoHoldsItsDomain) {
     EXPECT_NE(refused.error.find(part), std::string::npos) << refused.error;
   }
   holder->signal(SIGINT);
-  EXPECT_EQ(holder->wait(), kFailed);
+  EXPECT_EQ(holder->wait(), kInterrupted);
 }
 
 TEST_F(StandingWorkers, AreNotHeldBackByAList) {
