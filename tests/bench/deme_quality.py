@@ -65,7 +65,7 @@ def main():
         for path in options.studies:
             study = os.path.join(folder, os.path.basename(path))
             shutil.copyfile(path, study)
-            solved = not json.loads(run([options.coppice, "info", study, "--json"])).get("world")
+            solved = json.loads(run([options.coppice, "info", study, "--json"]))["world"] == "imported"
             recipe, population = ("return", 20) if solved else ("best", 800)
             settings = ["--set", f"ga.max_conditions={TESTS}", "--set", f"ga.max_nodes={4 * TESTS + 1}"] if solved else []
             worth_of = worth_in_model if solved else worth_in_room
