@@ -52,9 +52,9 @@ class SoakSite : public RemoteStudy {
   std::size_t some_host() { return hosts_ ? 2 + below(kHosts - 1) : 0; }
   std::string address(std::size_t host) const { return hosts_ ? Hosts::address(host) : "127.0.0.1"; }
 
-  // Of some, the time of day jumps.
+  // Of some, the time of day jumps; not of those with certificates, which are valid at some times only.
   Command perhaps_with_clock(Command command) {
-    return has_clocks_ && below(2) == 0 ? with_clock(std::move(command)) : command;
+    return has_clocks_ && !secured_ && below(2) == 0 ? with_clock(std::move(command)) : command;
   }
 
   // What everybody says in an evolution is kept, to be read when it does not end as it should.
