@@ -32,7 +32,9 @@ Json study_json(const Study& study, std::uint32_t steps) {
           {"states", chain.states()},
           {"transitions", chain.transitions()},
           {"initial_state", chain.initial_state()},
-          {"world", study.world().kind},
+          {"world", !study.problem().simulator.empty() ? "its own simulator"
+                    : study.problem().source.empty()   ? study.world().kind
+                                                       : "none: imported"},
           {"title", study.problem().title},
           {"source", study.problem().source},
           {"steps", steps}};

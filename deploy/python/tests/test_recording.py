@@ -104,6 +104,15 @@ def test_dictionaries_are_laid_flat_by_sorted_key(tmp_path: Path) -> None:
     assert problem.decode(environments.Mixed().reset()[0]) == [1.0, 0.0, 2.0, 0.5, -0.5]
 
 
+def test_tuples_are_numbered_parts_of_x() -> None:
+    space = gymnasium.spaces
+    env = environments.Mixed()
+    env.observation_space = space.Tuple((space.Box(0, 9, (2,)), space.Tuple((space.Discrete(2), space.MultiDiscrete([3, 3])))))
+    assert coppice.problem_of(env).feature_names == ["x_0_0", "x_0_1", "x_1_0", "x_1_1_0", "x_1_1_1"]
+    tree = coppice.Tree.parse("(sequence x_1_1_0<=1 go)")
+    assert tree({"x_1_1_0": 1}) == "go"
+
+
 def test_what_cannot_be_recorded_is_refused_and_leaves_no_file(tmp_path: Path) -> None:
     with pytest.raises(coppice.CoppiceError, match="not finite"):
         coppice.record(environments.Mixed(), lambda o: 0, 1, tmp_path / "log")

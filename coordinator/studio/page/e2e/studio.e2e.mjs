@@ -311,7 +311,7 @@ test("workers are listed one by one while the studio breeds; one that dies is co
   await inStudio([...thesis, "--workers", "2"], async (page, studio, path) => {
     const whole = page.getByRole("toolbar", { name: "The whole tree" });
     const jobs = page.getByRole("group", { name: "Computations" });
-    await whole.getByLabel("with").fill("ga.generations=60 ga.search=scalar ga.population=200 ga.demes=4 rollout.rollouts=100 seed=5");
+    await whole.getByLabel("with").fill("ga.generations=600 ga.search=scalar ga.population=400 ga.demes=4 rollout.rollouts=200 seed=5");
     await whole.getByRole("button", { name: "Breed from here" }).click();
     const worker = jobs.getByText(/pid \d+: evaluating, \d+ batch/);
     await worker.first().waitFor({ timeout: 60_000 });

@@ -39,7 +39,7 @@ export const extent = (values: number[]): [number, number] => {
   if (!Number.isFinite(low)) {
     return [0, 1];
   }
-  const pad = low === high ? Math.max(Math.abs(low) * 0.1, 0.5) : (high - low) * 0.05;
+  const pad = low === high ? Math.abs(low) * 0.05 || 0.5 : (high - low) * 0.05;
   return [low - pad, high + pad];
 };
 

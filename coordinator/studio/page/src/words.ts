@@ -1,6 +1,6 @@
 // A tree in words, with the legend of its study: "wall ahead" where the vocabulary says what s3=0 means, the name and
 // the value where it does not.
-import type { Vocabulary } from "./data";
+import type { Feature, Vocabulary } from "./data";
 import { type Composite, type Condition, type TreeNode, isComposite, leafText, valueText } from "./tree";
 
 export const hasLegend = (vocabulary: Vocabulary): boolean =>
@@ -47,6 +47,14 @@ export function nodeWords(node: TreeNode, vocabulary: Vocabulary): string {
       return actionWords(node.action, vocabulary);
   }
 }
+
+// What a state reads of one feature, without its name: a label, an interval in the feature's unit, a number.
+export const readingWords = (feature: Feature | undefined, value: number): string => {
+  const at = feature?.values.indexOf(value) ?? -1;
+  const reading = feature?.readings?.[at];
+  const bare = reading?.startsWith(feature?.name ?? "") ? reading.slice(feature?.name.length).trim().replace(/^(=|in)\s*/, "") : reading;
+  return feature?.labels?.[at] ?? bare ?? String(value);
+};
 
 export const observationWords = (features: readonly number[], vocabulary: Vocabulary, matters?: readonly boolean[]): string =>
   features

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { Vocabulary } from "../src/data";
 import { parseTree } from "../src/tree";
-import { observationWords, sentences } from "../src/words";
+import { observationWords, sentences, readingWords } from "../src/words";
 
 const labelled: Vocabulary = {
   features: [
@@ -47,4 +47,12 @@ describe("a tree in words", () => {
     expect(observationWords([3, 2], plain, [false, true])).toBe("x=2");
     expect(observationWords([3, 2], plain, [false, false])).toBe("anything");
   });
+});
+
+it("a reading without its name: a label, an interval, a number", () => {
+  const plain = { name: "s3", values: [0, 3], equal: true, less_equal: true, labels: ["wall", "trash"] };
+  const binned = { name: "speed", values: [0, 1], equal: false, less_equal: true, texts: ["0.5", "inf"], readings: ["speed in (-inf, 0.5]", "speed in (0.5, inf)"] };
+  expect(readingWords(plain, 3)).toBe("trash");
+  expect(readingWords(binned, 1)).toBe("(0.5, inf)");
+  expect(readingWords({ ...plain, labels: [null, null] }, 3)).toBe("3");
 });

@@ -114,7 +114,7 @@ def named(observation: Any) -> dict[str, float]:
                 add(part[key], _joined(prefix, str(key)))
         elif isinstance(part, tuple):
             for i, each in enumerate(part):
-                add(each, _joined(prefix, str(i)))
+                add(each, _joined(prefix or "x", str(i)))
         else:
             values = flat(part)
             for i, value in enumerate(values):
@@ -130,7 +130,7 @@ def _names_of_space(space: Any, prefix: str) -> list[str]:
     if isinstance(spaces, Mapping):
         return [n for key in sorted(spaces) for n in _names_of_space(spaces[key], _joined(prefix, str(key)))]
     if isinstance(spaces, Sequence):
-        return [n for i, part in enumerate(spaces) for n in _names_of_space(part, _joined(prefix, str(i)))]
+        return [n for i, part in enumerate(spaces) for n in _names_of_space(part, _joined(prefix or "x", str(i)))]
     shape = getattr(space, "shape", None) or ()
     size = int(np.prod(shape)) if shape else 1
     if size == 1:

@@ -128,7 +128,7 @@ function Demes(props: { curves: DemeCurves }) {
       <div class="toolbar">
         <label>
           deme{" "}
-          <select value={chosen.value} onChange={(e) => (chosen.value = Number(e.currentTarget.value))}>
+          <select aria-label="deme" value={chosen.value} onChange={(e) => (chosen.value = Number(e.currentTarget.value))}>
             {demes.map((_, i) => (
               <option key={i} value={i}>
                 {i + 1} of {demes.length}

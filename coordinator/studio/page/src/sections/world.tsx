@@ -7,7 +7,7 @@ import { number } from "../format";
 import { lit, need, shown } from "../state";
 import { tick } from "../tree";
 import { TreeDrawing } from "../tree_drawing";
-import { actionWords, observationWords } from "../words";
+import { actionWords, observationWords, readingWords } from "../words";
 import { wallPath } from "./curves";
 
 const kPlayEvery = 350; // ms a step
@@ -241,7 +241,7 @@ function Walks() {
                   </button>
                 </td>
                 {step[4].map((value, f) => (
-                  <td key={f}>{data.vocabulary.features[f]?.labels?.[data.vocabulary.features[f]?.values.indexOf(value) ?? -1] ?? value}</td>
+                  <td key={f}>{readingWords(data.vocabulary.features[f], value)}</td>
                 ))}
                 <td>{actionWords(step[0], data.vocabulary)}</td>
                 <td>{step[0] === step[3] ? "the same" : actionWords(step[3], data.vocabulary)}</td>
