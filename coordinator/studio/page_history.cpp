@@ -117,7 +117,7 @@ std::string assignments(const EvolveConfig& config) {
 }  // namespace
 
 std::string evolve_command(const Study& study, const RunRecord& run) {
-  return fmt::format("coppice evolve {} --seed {}{}", shell_word(study.path()), run.config.seed,
+  return fmt::format("coppice evolve {} --config thesis --seed {}{}", shell_word(study.path()), run.config.seed,
                      assignments(run.config));
 }
 
