@@ -14,6 +14,7 @@
 
 #include "common/wire/credentials.hpp"
 #include "worker/absence.hpp"
+#include "worker/allegiance.hpp"
 #include "worker/chain_cache.hpp"
 #include "worker/lane.hpp"
 
@@ -81,7 +82,8 @@ class Server {
         blocks_(std::move(blocks)),
         hellos_(std::move(hellos)),
         answers_(std::move(answers)),
-        requests_(std::move(requests)) {}
+        requests_(std::move(requests)),
+        allegiance_(controls_, {options.protocol, options.golden, options.version}) {}
 
   Result<void> start_lanes();
   Result<void> take_controls();
@@ -105,6 +107,7 @@ class Server {
   wire::Writer<wire::Hello> hellos_;
   wire::Writer<wire::Answer> answers_;
   wire::Writer<wire::ChainRequest> requests_;
+  Allegiance allegiance_;
   std::vector<std::unique_ptr<Lane>> lanes_;  // after what they use: joined first
 
   std::optional<Assembly> assembly_;
@@ -205,30 +208,15 @@ Result<void> Server::run(const StopFlag& stop, Absence& absence) {
 }
 
 Result<void> Server::take_controls() {
-  std::optional<std::string> refusal;
-  controls_.take(kMostPerTake, [&](const wire::Control& control, const dds_sample_info_t& info) {
-    if (!info.valid_data || info.instance_state != DDS_ALIVE_INSTANCE_STATE) {
-      if (state_.run_id.exchange(0) != 0) {
-        spdlog::info("the coordinator is gone; waiting for the next");
-      }
-    } else if (control.protocol != options_.protocol) {
-      refusal = fmt::format(
-          "the coordinator {} (pid {}, version {}) speaks protocol {}, this worker (version {}) speaks {}: "
-          "install the same version of Coppice on both",
-          wire::shown(control.host), control.pid, wire::shown(control.version), control.protocol, options_.version,
-          options_.protocol);
-    } else if (control.golden != options_.golden) {
-      refusal = fmt::format(
-          "the coordinator {} (pid {}, version {}) computes otherwise than this worker (version {}): the golden job "
-          "gives "
-          "{:016x} there and {:016x} here; install the same build of Coppice on both",
-          wire::shown(control.host), control.pid, wire::shown(control.version), options_.version, control.golden,
-          options_.golden);
-    } else {
-      meet(control);
-    }
-  });
-  if (refusal) {
+  const auto now = Clock::now();
+  allegiance_.listen(
+      now, [this](const wire::Control& control) { meet(control); },
+      [this] {
+        if (state_.run_id.exchange(0) != 0) {
+          spdlog::info("the coordinator is gone; waiting for the next");
+        }
+      });
+  if (const auto refusal = allegiance_.refusal(now)) {
     return failed(*refusal);
   }
   return {};

@@ -15,8 +15,9 @@ namespace coppice::wire {
 namespace {
 
 constexpr std::int64_t kNeverBlockMs = 100;  // coordinator: keep-last writers do not block at all
-// Anybody may say Hello in a worker's name; what he says must not displace the worker's own before it is read.
-constexpr std::int32_t kHellosHeard = 16;
+// Anybody may say Hello in a worker's name, or announce a run; what he says must not displace the worker's own, or the
+// coordinator's, before it is read.
+constexpr std::int32_t kWordsHeard = 16;
 constexpr std::int64_t kWorkerBlockMs = 5000;  // worker: an answer waits for room rather than being lost
 
 struct TopicQos {
@@ -31,8 +32,8 @@ struct TopicQos {
 const TopicQos& qos_of(const dds_topic_descriptor_t& type) {
   static const std::string versioned = fmt::format("coppice_v{}_", kProtocolVersion);
   static const std::array<TopicQos, 7> table = {{
-      {&coppice_wire_Hello_desc, "coppice_Hello", true, 1, true, kHellosHeard},
-      {&coppice_wire_Control_desc, "coppice_Control", true, 1, true, 0},
+      {&coppice_wire_Hello_desc, "coppice_Hello", true, 1, true, kWordsHeard},
+      {&coppice_wire_Control_desc, "coppice_Control", true, 1, true, kWordsHeard},
       {&coppice_wire_Fleet_desc, "coppice_Fleet", false, 1, false, 0},
       {&coppice_wire_Task_desc, versioned + "Task", false, static_cast<std::int32_t>(kTaskDepth), false, 0},
       {&coppice_wire_Answer_desc, versioned + "Answer", false, 0, false, 0},

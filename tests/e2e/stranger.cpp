@@ -12,7 +12,9 @@
 //                           leave by a writer that is deleted at once, so that nobody can be asked whose it was;
 //                           disposes of it and says Hello in its name. Prints to how many names
 //   stranger DOMAIN rule    tries to write what only a coordinator may write; prints what it was allowed
-//   stranger DOMAIN usurp IDENTITY RULES PORT     plays the coordinator (usurp.hpp)
+//   stranger DOMAIN mislead IDENTITY PORT         to the worker at that port, for 2 s: announces runs of another
+//   version and of another build, and disposes of what is announced. Fails unless the worker's reader got it stranger
+//   DOMAIN usurp IDENTITY RULES PORT     plays the coordinator (usurp.hpp)
 // It goes to the coordinator on this machine, or on COPPICE_STRANGER_HOST. A third argument is the folder of an
 // identity under DDS Security; - is none.
 #include <cstdio>
@@ -348,6 +350,33 @@ int rule(std::uint32_t domain, const wire::Network& network) {
   return 0;
 }
 
+int mislead(std::uint32_t domain, const wire::Network& network, const std::string& port) {
+  constexpr std::chrono::seconds kTime{2};
+  std::string configuration = required(wire::worker_configuration("127.0.0.1", domain, network));
+  const std::string peers = "<Peers>";
+  configuration.insert(configuration.find(peers) + peers.size(), "<Peer Address=\"127.0.0.1:" + port + "\"/>");
+  const auto participant = required(wire::Participant::join(domain, configuration));
+  auto controls = required(wire::Writer<wire::Control>::make(participant));
+  await_match(controls.get());
+  wire::Control control{};
+  control.run_id = 0xE71;
+  wire::put_text(control.host, "misleader");
+  const auto end = std::chrono::steady_clock::now() + kTime;
+  while (std::chrono::steady_clock::now() < end) {
+    for (const bool version : {true, false}) {
+      control.protocol = wire::kProtocolVersion + (version ? 1 : 0);
+      control.golden = golden_checksum() + 1;
+      if (auto ok = controls.write(control); !ok) {
+        return fail(ok.error().message);
+      }
+      dds_dispose(controls.get(), &control);
+    }
+    dds_sleepfor(DDS_MSECS(5));
+  }
+  return controls.matched() && controls.wait_for_acknowledgements(kAcknowledgeMs) ? 0
+                                                                                  : fail("the worker did not hear it");
+}
+
 int serve_as(std::uint32_t domain, std::uint32_t protocol, std::uint64_t golden) {
   block_stop_signals();
   StopFlag stop;
@@ -365,9 +394,10 @@ int serve_as(std::uint32_t domain, std::uint32_t protocol, std::uint64_t golden)
 
 int main(int argc, char** argv) {
   const std::string_view mode(argc > 2 ? argv[2] : "");
-  if (mode == "usurp" ? argc != 6 : argc != 3 && argc != 4) {
+  if (mode == "usurp" ? argc != 6 : mode == "mislead" ? argc != 5 : argc != 3 && argc != 4) {
     return fail(
-        "usage: stranger DOMAIN noise|next|build|knock|forge|rule [IDENTITY], or stranger DOMAIN usurp IDENTITY RULES "
+        "usage: stranger DOMAIN noise|next|build|knock|forge|rule [IDENTITY], stranger DOMAIN mislead IDENTITY PORT, "
+        "or stranger DOMAIN usurp IDENTITY RULES "
         "PORT");
   }
   const auto domain = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10));
@@ -375,6 +405,9 @@ int main(int argc, char** argv) {
   network.security = argc > 3 && std::string_view(argv[3]) != "-" ? argv[3] : "";
   if (mode == "usurp") {
     return e2e::usurp({domain, network, argv[4], argv[5]});
+  }
+  if (mode == "mislead") {
+    return mislead(domain, network, argv[4]);
   }
   if (mode == "noise") {
     return make_noise(domain, network);

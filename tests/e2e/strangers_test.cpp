@@ -8,6 +8,7 @@
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 #include <sstream>
+#include <unistd.h>
 
 #include "coordinator/dispatch/serial_evaluator.hpp"
 #include "coordinator/fleet/fleet_evaluator.hpp"
@@ -27,9 +28,10 @@ class Strangers : public ::testing::Test {
         std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log_)));
   }
 
-  std::unique_ptr<FleetEvaluator> open() {
+  std::unique_ptr<FleetEvaluator> open(const std::vector<LocalWorkers::Flags>& worker_flags = {}) {
     FleetOptions options;
     options.local_workers = 1;
+    options.worker_flags = worker_flags;
     options.worker_program = COPPICE_WORKER_PROGRAM;
     auto evaluator = FleetEvaluator::open(chain_, options, stop_);
     EXPECT_TRUE(evaluator.has_value()) << evaluator.error().message;
@@ -60,8 +62,11 @@ class Strangers : public ::testing::Test {
     EXPECT_TRUE(seen()) << log_.str();
   }
 
-  e2e::Process stranger(const FleetEvaluator& evaluator, const std::string& mode) {
-    return e2e::Process({.program = COPPICE_STRANGER, .arguments = {std::to_string(evaluator.domain()), mode}});
+  e2e::Process stranger(const FleetEvaluator& evaluator, const std::string& mode,
+                        const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments = {std::to_string(evaluator.domain()), mode};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return e2e::Process({.program = COPPICE_STRANGER, .arguments = arguments});
   }
 
   std::ostringstream log_;
@@ -133,6 +138,23 @@ TEST_F(Strangers, WhoComputeOtherwiseAreRefusedWithAMessageOnBothSides) {
   EXPECT_NE(said.find("computes otherwise than this worker (version 99.0)"), std::string::npos) << said;
   EXPECT_NE(said.find("install the same build of Coppice on both"), std::string::npos) << said;
   EXPECT_NE(log_.str().find("it computes otherwise than this coordinator"), std::string::npos) << log_.str();
+  EXPECT_EQ(evaluator->statistics().workers_alive, 1U);
+}
+
+// A stranger who reaches the worker's own port announces runs that the worker must refuse, and disposes of what the
+// coordinator announced.
+TEST_F(Strangers, WhoPlayTheCoordinatorOfAnotherVersionStopNoWorker) {
+  constexpr int kFirstPort = 30'000;
+  constexpr int kPorts = 2'000;
+  const std::string port = std::to_string(kFirstPort + getpid() % kPorts);
+  const auto evaluator = open({{"--port", port}});
+  expect_serial_tallies(*evaluator, 0);
+  e2e::Process misleader = stranger(*evaluator, "mislead", {"-", port});
+  expect_serial_tallies_while(*evaluator, misleader);
+  EXPECT_EQ(misleader.wait(), (e2e::Ending{0, 0})) << misleader.rest_of_error();
+  expect_serial_tallies(*evaluator, kMostGenerations);
+  EXPECT_EQ(evaluator->statistics().workers_lost, 0U) << log_.str();
+  EXPECT_EQ(evaluator->statistics().requeued, 0U) << log_.str();
   EXPECT_EQ(evaluator->statistics().workers_alive, 1U);
 }
 
