@@ -10,6 +10,8 @@
 #include <mutex>
 #include <string>
 
+#include "common/wire/short_turns.hpp"
+
 namespace coppice::wire {
 namespace {
 
@@ -75,6 +77,7 @@ void route_dds_log(void (*sink)(const char* line)) {
 Result<Participant> Participant::join(std::uint32_t domain, const std::string& configuration) {
   install_sinks();
   set_joining(true);
+  const ShortTurns turns;  // of DDS's threads, which are started here
   Entity owned_domain;
   const char* uri = std::getenv("CYCLONEDDS_URI");
   if (uri == nullptr || *uri == '\0') {
