@@ -58,7 +58,8 @@ void Dispatcher::seal(RequestId id) { requests_.at(id).sealed = true; }
 
 bool Dispatcher::done(RequestId id) const {
   const OpenRequest& request = requests_.at(id);
-  return (request.sealed || COPPICE_MUTATED(growing_requests_end_early)) && request.undecided == 0 && flight_.done(id);
+  return (request.sealed || COPPICE_MUTATED(growing_requests_end_early)) &&
+         (request.undecided == 0 || COPPICE_MUTATED(samples_not_waited_for)) && flight_.done(id);
 }
 
 Dispatcher::Finished Dispatcher::take(RequestId id) {

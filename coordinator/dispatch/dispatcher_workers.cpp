@@ -143,7 +143,8 @@ void Dispatcher::on(ProcessEnded& ended) {
   // A process of our own is known to be dead before its silence tells.
   const auto& workers = roster_.all();
   const auto worker = std::find_if(workers.begin(), workers.end(), [&](const auto& entry) {
-    return entry.second.here && ended.pid != 0 && entry.second.pid == ended.pid;
+    return (entry.second.here || COPPICE_MUTATED(foreign_processes_are_ours)) && ended.pid != 0 &&
+           entry.second.pid == ended.pid;
   });
   if (worker != workers.end()) {
     lose(worker->first, ended.in_order ? "ended" : "died", ended.in_order ? Farewell::left : Farewell::died);

@@ -49,6 +49,11 @@ HomeChoice::Way HomeChoice::way(const WorkClass& work, std::uint32_t units, std:
   return better;
 }
 
+bool HomeChoice::would_gain(const WorkClass& work, std::uint32_t units, std::size_t lanes) {
+  const Class& known = at(work);
+  return lanes > 0 && known.here.known() && there(known, units, lanes) < here(known, units);
+}
+
 void HomeChoice::probed(const WorkClass& work, std::uint32_t units, Nanoseconds elapsed) {
   Class& known = at(work);
   known.here.add(static_cast<double>(elapsed.count()) / units);

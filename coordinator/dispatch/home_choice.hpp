@@ -38,6 +38,9 @@ class HomeChoice {
   // For a request of so many units; `lanes` of workers are ready. REQUIRES: units >= 1.
   Way way(const WorkClass& work, std::uint32_t units, std::size_t lanes);
 
+  // Whether workers with so many lanes, if they were there, are expected to do it sooner. False: nobody knows.
+  bool would_gain(const WorkClass& work, std::uint32_t units, std::size_t lanes);
+
   // What happened.
   void probed(const WorkClass& work, std::uint32_t units, Nanoseconds elapsed);
   void took_home(const WorkClass& work, std::uint32_t units, Nanoseconds elapsed);

@@ -27,6 +27,9 @@ enum class Mutation : int {
   short_memory_asked_again,
   deadly_units_go_on,  // the death of the process apart is taken for an answer of nothing
   growing_requests_end_early,
+  foreign_processes_are_ours,   // a process number alone says which worker ended
+  samples_not_waited_for,       // a request is done while what was said in it is being computed again
+  isolation_outlives_requests,  // the count of units that travel alone forgets those that were given up
 };
 
 inline constexpr std::array kMutationNames = {
@@ -47,6 +50,9 @@ inline constexpr std::array kMutationNames = {
     "short_memory_asked_again",
     "deadly_units_go_on",
     "growing_requests_end_early",
+    "foreign_processes_are_ours",
+    "samples_not_waited_for",
+    "isolation_outlives_requests",
 };
 
 extern Mutation active_mutation;

@@ -2,17 +2,37 @@
 
 #include <utility>
 
+#include "common/wire/short_turns.hpp"
+#include "coordinator/dispatch/serial_evaluator.hpp"
+#include "coordinator/fleet/home_evaluation.hpp"
+
 namespace coppice {
 
 class EvaluatorPool::Client : public Evaluator, private DemeEvolver {
  public:
-  explicit Client(EvaluatorPool& pool) : pool_(pool) {}
+  explicit Client(EvaluatorPool& pool) : pool_(pool) {
+    if (pool.home_chain_ != nullptr) {
+      home_evaluator_ = SerialEvaluator::make(pool.home_chain_, pool.stop_);
+      home_.emplace(*home_evaluator_);
+    }
+  }
   ~Client() override { pool_.forget(*this); }
 
   Result<std::vector<Tally>> evaluate(std::span<const Tree> trees, const Job& job) override {
+    auto at_home = evaluate_at_home(trees, job);
+    if (!at_home) {
+      return tl::unexpected(at_home.error());
+    }
+    if (*at_home) {
+      return std::move(**at_home);
+    }
+    const auto begin = std::chrono::steady_clock::now();
     auto finished = pool_.evaluate(trees, job);
     if (!finished) {
       return tl::unexpected(finished.error());
+    }
+    if (home_) {
+      home_->took_workers(trees.size(), job, std::chrono::steady_clock::now() - begin);
     }
     statistics_.individuals += trees.size();
     statistics_.repeated += finished->repeated;
@@ -37,21 +57,46 @@ class EvaluatorPool::Client : public Evaluator, private DemeEvolver {
     return finished;
   }
 
+  Result<std::optional<std::vector<Tally>>> evaluate_at_home(std::span<const Tree> trees, const Job& job) {
+    if (!home_) {
+      return std::nullopt;
+    }
+    const DispatchStatistics before = home_->statistics();
+    auto tallies = home_->evaluate(trees, job, pool_.ready_lanes_);
+    if (tallies && *tallies) {
+      const DispatchStatistics& after = home_->statistics();
+      pool_.took_home(after.individuals - before.individuals, after.repeated - before.repeated);
+      statistics_.individuals += after.individuals - before.individuals;
+      statistics_.at_home += after.at_home - before.at_home;
+      statistics_.repeated += after.repeated - before.repeated;
+    }
+    return tallies;
+  }
+
   EvaluatorPool& pool_;
+  std::unique_ptr<Evaluator> home_evaluator_;
+  std::optional<HomeEvaluation> home_;
   DispatchStatistics statistics_;
 };
 
 Result<std::unique_ptr<EvaluatorPool>> EvaluatorPool::open(std::shared_ptr<const Chain> chain, FleetOptions options,
                                                            const StopFlag& stop) {
+  const bool may_stay_home = std::exchange(options.may_stay_home, false);  // the clients', not the fleet's
   auto fleet = Fleet::open(chain, std::move(options), stop);
   if (!fleet) {
     return tl::unexpected(fleet.error());
   }
-  return std::unique_ptr<EvaluatorPool>(new EvaluatorPool(std::move(*fleet), std::move(chain), stop));
+  return std::unique_ptr<EvaluatorPool>(new EvaluatorPool(std::move(*fleet), std::move(chain), may_stay_home, stop));
 }
 
-EvaluatorPool::EvaluatorPool(std::unique_ptr<Fleet> fleet, std::shared_ptr<const Chain> chain, const StopFlag& stop)
-    : chain_(std::move(chain)), fleet_(std::move(fleet)), evolver_(*fleet_, chain_, stop), thread_([this] { run(); }) {}
+EvaluatorPool::EvaluatorPool(std::unique_ptr<Fleet> fleet, std::shared_ptr<const Chain> chain, bool may_stay_home,
+                             const StopFlag& stop)
+    : chain_(std::move(chain)),
+      fleet_(std::move(fleet)),
+      evolver_(*fleet_, chain_, stop),
+      stop_(stop),
+      home_chain_(may_stay_home ? PreparedChain::make(chain_) : nullptr),
+      thread_([this] { run(); }) {}
 
 EvaluatorPool::~EvaluatorPool() {
   {
@@ -66,7 +111,17 @@ std::unique_ptr<Evaluator> EvaluatorPool::client() { return std::make_unique<Cli
 
 DispatchStatistics EvaluatorPool::statistics() const {
   const std::lock_guard lock(mutex_);
-  return statistics_;
+  DispatchStatistics all = statistics_;
+  all.individuals += at_home_.individuals;
+  all.at_home += at_home_.individuals;
+  all.repeated += at_home_.repeated;
+  return all;
+}
+
+void EvaluatorPool::took_home(std::uint64_t individuals, std::uint64_t repeated) {
+  const std::lock_guard lock(mutex_);
+  at_home_.individuals += individuals;
+  at_home_.repeated += repeated;
 }
 
 Result<Fleet::Evaluated> EvaluatorPool::evaluate(std::span<const Tree> trees, const Job& job) {
@@ -123,6 +178,7 @@ void EvaluatorPool::answer(Call& call, Result<Fleet::Evaluated> result) {
 }
 
 void EvaluatorPool::run() {
+  const wire::ShortTurns turns;
   while (true) {
     take_calls();
     {
@@ -136,6 +192,7 @@ void EvaluatorPool::run() {
       return;
     }
     answer_calls();
+    ready_lanes_ = fleet_->ready_lanes();
     fleet_->sleep();
   }
 }

@@ -1,8 +1,10 @@
 // One set of workers shared by several runs at a time, each on a thread of its own: while one run waits for the last
-// answers of its generation, the workers are busy with the others'. A thread of the pool dispatches for all of them.
+// answers of its generation, the workers are busy with the others'. A thread of the pool dispatches for all of them;
+// what is sooner evaluated than sent a run evaluates on its own thread, if the options allow it (may_stay_home).
 // The pool decides time only: every run gets the tallies that it would get alone.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <map>
@@ -11,6 +13,7 @@
 #include <optional>
 #include <thread>
 
+#include "common/fitness/prepared_chain.hpp"
 #include "coordinator/dispatch/deme_evolver.hpp"
 #include "coordinator/fleet/fleet.hpp"
 #include "coordinator/fleet/fleet_evolver.hpp"
@@ -48,12 +51,14 @@ class EvaluatorPool {
     std::condition_variable answered;  // its own: one shared by all would wake every run for every answer
   };
 
-  EvaluatorPool(std::unique_ptr<Fleet> fleet, std::shared_ptr<const Chain> chain, const StopFlag& stop);
+  EvaluatorPool(std::unique_ptr<Fleet> fleet, std::shared_ptr<const Chain> chain, bool may_stay_home,
+                const StopFlag& stop);
 
   Result<Fleet::Evaluated> evaluate(std::span<const Tree> trees, const Job& job);
   void submit(Epoch epoch);
   Result<DemeEvolver::Finished> next(Client& client);
   void forget(const Client& client);
+  void took_home(std::uint64_t individuals, std::uint64_t repeated);
   static void answer(Call& call, Result<Fleet::Evaluated> result);  // REQUIRES: mutex_ is held
   void run();
   void take_calls();
@@ -64,6 +69,9 @@ class EvaluatorPool {
   std::unique_ptr<Fleet> fleet_;     // of the pool's thread
   FleetEvolver evolver_;             // likewise
   std::map<RequestId, Call*> open_;  // likewise
+  const StopFlag& stop_;
+  const std::shared_ptr<const PreparedChain> home_chain_;  // null: nothing is evaluated at home
+  std::atomic<std::size_t> ready_lanes_{0};
 
   mutable std::mutex mutex_;  // what follows
   std::deque<Call*> calls_;
@@ -71,8 +79,9 @@ class EvaluatorPool {
   std::map<std::uint64_t, Epoch> running_epochs_;  // by the pool's ticket, without their tasks
   std::uint64_t next_ticket_ = 0;
   std::condition_variable epoch_ended_;
-  DispatchStatistics statistics_;
-  std::optional<Error> broken_;  // nothing is evaluated any more
+  DispatchStatistics statistics_;  // of the fleet
+  DispatchStatistics at_home_;     // of the runs' own threads
+  std::optional<Error> broken_;    // nothing is evaluated any more
   bool ending_ = false;
 
   std::thread thread_;

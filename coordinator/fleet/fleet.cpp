@@ -4,10 +4,8 @@
 #include <fmt/format.h>
 #include <random>
 #include <spdlog/spdlog.h>
-#include <thread>
 #include <unistd.h>
 
-#include "common/check.hpp"
 #include "common/fitness/golden_job.hpp"
 #include "common/version.hpp"
 #include "coordinator/dispatch/serial_evaluator.hpp"
@@ -73,7 +71,7 @@ Fleet::Fleet(std::shared_ptr<const Chain> chain, FleetOptions options, const Sto
       dispatcher_(settings_of(options_, dds_.domain)),
       meanings_(*chain_),
       reference_(std::move(reference)),
-      home_choice_(std::max(1U, std::thread::hardware_concurrency())),
+      home_(*reference_),
       certificates_(options_.network.security) {
   onlookers_.watch(options_.watch_workers);
 }
@@ -101,19 +99,32 @@ Result<std::unique_ptr<Fleet>> Fleet::open(std::shared_ptr<const Chain> chain, F
     return tl::unexpected(ok.error());
   }
   if (fleet->options_.local_workers > 0) {
-    auto flags = fleet->options_.worker_flags;
-    flags.resize(fleet->options_.local_workers);
-    auto local = LocalWorkers::start(fleet->options_.worker_program, flags, fleet->domain());
-    if (!local) {
-      return tl::unexpected(local.error());
-    }
-    fleet->local_.emplace(std::move(*local));
-    const std::vector<pid_t> pids = fleet->local_->pids();
-    for (std::size_t place = 0; place < pids.size(); ++place) {
-      fleet->events_.emplace_back(ProcessStarted{place, pids[place]});
+    // Those that may never be needed are started when something is sent.
+    if (auto ok = fleet->options_.may_stay_home ? LocalWorkers::check(fleet->options_.worker_program)
+                                                : fleet->start_workers();
+        !ok) {
+      return tl::unexpected(ok.error());
     }
   }
   return fleet;
+}
+
+Result<void> Fleet::start_workers() {
+  if (local_ || options_.local_workers == 0) {
+    return {};
+  }
+  auto flags = options_.worker_flags;
+  flags.resize(options_.local_workers);
+  auto local = LocalWorkers::start(options_.worker_program, flags, domain());
+  if (!local) {
+    return tl::unexpected(local.error());
+  }
+  local_.emplace(std::move(*local));
+  const std::vector<pid_t> pids = local_->pids();
+  for (std::size_t place = 0; place < pids.size(); ++place) {
+    events_.emplace_back(ProcessStarted{place, pids[place]});
+  }
+  return {};
 }
 
 Result<void> Fleet::announce() {
@@ -175,41 +186,27 @@ Result<std::optional<std::vector<Tally>>> Fleet::evaluate_at_home(std::span<cons
     }
     next_listening_at_home_ = Clock::now() + kListenAtHome;
   }
-  const WorkClass work = EvaluationWork::class_of(job);
-  const auto units = static_cast<std::uint32_t>(trees.size());
-  auto way = home_choice_.way(work, units, dispatcher_.ready_lanes());
-  if (way == HomeChoice::Way::probe) {
-    const std::uint32_t some = std::min(units, HomeChoice::kProbe);
-    const auto begin = Clock::now();
-    if (auto tallies = reference_->evaluate(trees.first(some), job); !tallies) {
-      return tl::unexpected(tallies.error());
+  auto tallies = home_.evaluate(trees, job, dispatcher_.ready_lanes());
+  if (tallies && home_.would_gain(trees.size(), job, options_.local_workers)) {
+    if (auto ok = start_workers(); !ok) {
+      return tl::unexpected(ok.error());
     }
-    home_choice_.probed(work, some, Clock::now() - begin);
-    way = home_choice_.way(work, units, dispatcher_.ready_lanes());
   }
-  if (way != HomeChoice::Way::home) {
-    return std::nullopt;
-  }
-  const std::uint64_t repeated = reference_->statistics().repeated;
-  const auto begin = Clock::now();
-  auto tallies = reference_->evaluate(trees, job);
-  if (!tallies) {
-    return tl::unexpected(tallies.error());
-  }
-  home_choice_.took_home(work, units, Clock::now() - begin);
-  statistics_.individuals += units;
-  statistics_.at_home += units;
-  statistics_.repeated += reference_->statistics().repeated - repeated;
-  return std::move(*tallies);
+  return tallies;
 }
 
 void Fleet::took_workers(std::size_t trees, const Job& job, std::chrono::nanoseconds elapsed) {
-  if (options_.may_stay_home && trees > 0) {
-    home_choice_.took_workers(EvaluationWork::class_of(job), static_cast<std::uint32_t>(trees), elapsed);
+  if (options_.may_stay_home) {
+    home_.took_workers(trees, job, elapsed);
   }
 }
 
 RequestId Fleet::submit(std::unique_ptr<RequestWork> work) {
+  if (auto ok = start_workers(); !ok) {
+    for (std::size_t place = 0; place < options_.local_workers; ++place) {
+      events_.emplace_back(ProcessEnded{place, 0, false, ok.error().message});
+    }
+  }
   if (works_.empty()) {
     matching_changed_ = true;
   }
@@ -266,6 +263,9 @@ std::vector<pid_t> Fleet::ready_pids() const {
 }
 
 Result<void> Fleet::await_workers(std::size_t count) {
+  if (auto ok = start_workers(); !ok) {
+    return ok;
+  }
   while (ready_pids().size() < count) {
     if (auto ok = act(); !ok) {
       return ok;
@@ -277,10 +277,10 @@ Result<void> Fleet::await_workers(std::size_t count) {
 
 DispatchStatistics Fleet::statistics() const {
   DispatchStatistics statistics = dispatcher_.statistics();
-  statistics.individuals = statistics_.individuals;
-  statistics.repeated = statistics_.repeated;
+  statistics.individuals = statistics_.individuals + home_.statistics().individuals;
+  statistics.repeated = statistics_.repeated + home_.statistics().repeated;
   statistics.sent_bytes = statistics_.sent_bytes;
-  statistics.at_home += statistics_.at_home;
+  statistics.at_home += home_.statistics().at_home;
   return statistics;
 }
 
@@ -346,134 +346,6 @@ void Fleet::sleep() {
     time = std::min<std::chrono::nanoseconds>(time, kSettlingInterval);
   }
   matching_changed_ = dds_.waiter.wait(time);
-}
-
-Result<void> Fleet::perform(Actions& actions) {
-  for (const Action& action : actions.actions) {
-    if (auto ok = std::visit([this](const auto& wanted) { return perform(wanted); }, action); !ok) {
-      return ok;
-    }
-  }
-  return {};
-}
-
-Result<void> Fleet::perform(const OpenLink& action) {
-  auto link = Link::open(dds_.participant, dds_.waiter, action.worker);
-  if (!link) {
-    spdlog::error("cannot serve a worker: {}", link.error().message);
-    return {};
-  }
-  links_.insert_or_assign(action.worker, std::move(*link));
-  settling_ = true;
-  return {};
-}
-
-Result<void> Fleet::perform(const CloseLink& action) {
-  links_.erase(action.worker);
-  return {};
-}
-
-Result<void> Fleet::perform(const SendTask& action) {
-  const auto link = links_.find(action.worker);
-  if (link == links_.end()) {
-    events_.emplace_back(SendFailed{action.worker, action.batch.id, "nothing to write to it with"});
-    return {};
-  }
-  const RequestWork& work = *works_.at(action.batch.request);
-  const auto payload = work.encode(action.batch.first, action.batch.count);
-  if (auto ok = link->second.send_task(action.batch.id, work.terms().work.kind, payload, run_); !ok) {
-    events_.emplace_back(SendFailed{action.worker, action.batch.id, ok.error().message});
-    return {};
-  }
-  statistics_.sent_bytes += payload.size();
-  if (options_.batch_sent) {
-    options_.batch_sent(dispatcher_.roster().find(action.worker)->pid);
-  }
-  return {};
-}
-
-Result<void> Fleet::perform(const SendBlocks& action) {
-  if (const auto link = links_.find(action.worker); link != links_.end()) {
-    link->second.request_blocks(action.first, action.count);
-    link->second.send_blocks(chain_bytes_, run_);
-  }
-  return {};
-}
-
-Result<void> Fleet::perform(const Announce&) {
-  if (auto ok = announce(); !ok) {
-    spdlog::warn("{}", ok.error().message);
-  }
-  return {};
-}
-
-Result<void> Fleet::perform(const Compute& action) {
-  if (action.apart) {
-    return compute_apart(action);
-  }
-  const auto begin = Clock::now();
-  auto outcomes = works_.at(action.request)->compute(action.units);
-  if (!outcomes) {
-    return tl::unexpected(outcomes.error());
-  }
-  events_.emplace_back(Computed{action.id, Clock::now() - begin, std::move(*outcomes), {}});
-  return {};
-}
-
-Result<void> Fleet::compute_apart(const Compute& action) {
-  COPPICE_CHECK(action.units.size() == 1);
-  if (options_.worker_program.empty()) {
-    auto program = find_worker_program();
-    if (!program) {
-      return tl::unexpected(program.error());
-    }
-    options_.worker_program = std::move(*program);
-  }
-  const Unit unit{action.request, action.units.front()};
-  auto apart = Apart::start({.program = options_.worker_program,
-                             .unit = unit,
-                             .work = works_.at(unit.request)->terms().work.kind,
-                             .chain_bytes = chain_bytes_,
-                             .payload = works_.at(unit.request)->encode(unit.index, 1)},
-                            [this] { dds_.waiter.wake(); });
-  if (!apart) {
-    return tl::unexpected(apart.error());
-  }
-  apart_.emplace(action.id, std::move(*apart));
-  return {};
-}
-
-Result<void> Fleet::perform(const StartProcess& action) {
-  const auto pid = local_->start_again(action.place);
-  if (pid) {
-    events_.emplace_back(ProcessStarted{action.place, *pid});
-  } else {
-    events_.emplace_back(ProcessEnded{action.place, 0, false, pid.error().message});
-  }
-  return {};
-}
-
-Result<void> Fleet::perform(const Say& action) {
-  switch (action.level) {
-    case Say::Level::debug:
-      spdlog::debug("{}", action.text);
-      break;
-    case Say::Level::warn:
-      spdlog::warn("{}", action.text);
-      break;
-    case Say::Level::error:
-      spdlog::error("{}", action.text);
-      break;
-  }
-  return {};
-}
-
-Error Fleet::in_words(const Failure& failure) const {
-  Error error = failure.error;
-  if (failure.deadly) {
-    error.message += ": " + works_.at(failure.deadly->request)->in_words(failure.deadly->index);
-  }
-  return error;
 }
 
 }  // namespace coppice

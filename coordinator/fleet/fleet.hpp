@@ -22,10 +22,10 @@
 #include "common/wire/credentials.hpp"
 #include "coordinator/dispatch/dispatcher.hpp"
 #include "coordinator/dispatch/evaluator.hpp"
-#include "coordinator/dispatch/home_choice.hpp"
 #include "coordinator/fleet/apart.hpp"
 #include "coordinator/fleet/endpoints.hpp"
 #include "coordinator/fleet/evaluation_work.hpp"
+#include "coordinator/fleet/home_evaluation.hpp"
 #include "coordinator/fleet/link.hpp"
 #include "coordinator/fleet/local_workers.hpp"
 #include "coordinator/fleet/onlookers.hpp"
@@ -44,7 +44,9 @@ struct FleetOptions {
   std::chrono::milliseconds wait_limit{600'000};  // without any worker for this long, requests fail
   double cross_check = 0.0;                       // share of all units, see CrossCheck
   InFlightLimits limits;
-  bool may_stay_home = false;  // evaluations may be computed here where sending takes longer, see HomeChoice
+  // Evaluations may be computed here where sending takes longer, see HomeChoice; local workers are then started when
+  // something is worth sending.
+  bool may_stay_home = false;
   // Called on the dispatching thread, about once a second while it acts. May be empty.
   std::function<void(const FleetStatus&)> watch;
   // Called on the dispatching thread after each batch went out, with the process that got it. May be empty.
@@ -102,6 +104,8 @@ class Fleet {
 
   DispatchStatistics statistics() const;
   FleetStatus status() const;
+  // Computing threads of the workers that are ready.
+  std::size_t ready_lanes() const { return dispatcher_.ready_lanes(); }
   std::uint32_t domain() const { return dds_.domain; }
   // Processes that hold the chain and take batches.
   std::vector<pid_t> ready_pids() const;
@@ -116,6 +120,7 @@ class Fleet {
         std::unique_ptr<Evaluator> reference);
 
   Result<void> announce();
+  Result<void> start_workers();  // unless they are
   Result<void> check_objectives(const Job& job);
   bool worth_seeking_repeats(const Job& job) const;
 
@@ -155,7 +160,7 @@ class Fleet {
   Onlookers onlookers_;
   Meanings meanings_;
   std::unique_ptr<Evaluator> reference_;
-  HomeChoice home_choice_;
+  HomeEvaluation home_;
   Clock::time_point next_listening_at_home_{};
   std::map<RequestId, std::unique_ptr<RequestWork>> works_;
   std::map<ComputeId, std::unique_ptr<Apart>> apart_;

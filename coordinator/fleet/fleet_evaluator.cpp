@@ -1,5 +1,7 @@
 #include "coordinator/fleet/fleet_evaluator.hpp"
 
+#include "common/wire/short_turns.hpp"
+
 namespace coppice {
 
 Result<std::unique_ptr<FleetEvaluator>> FleetEvaluator::open(std::shared_ptr<const Chain> chain, FleetOptions options,
@@ -31,6 +33,7 @@ Result<std::vector<Tally>> FleetEvaluator::evaluate(std::span<const Tree> trees,
   if (*at_home) {
     return std::move(**at_home);
   }
+  const wire::ShortTurns turns;
   const auto begin = std::chrono::steady_clock::now();
   const auto request = fleet_->submit(trees, job);
   if (!request) {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/check.hpp"
+#include "common/wire/short_turns.hpp"
 #include "common/wire/topics.hpp"
 
 namespace coppice {
@@ -51,6 +52,7 @@ std::optional<DemeEvolver::Finished> FleetEvolver::take_ended() {
 
 Result<DemeEvolver::Finished> FleetEvolver::next() {
   COPPICE_CHECK(!tickets_.empty());
+  const wire::ShortTurns turns;
   while (true) {
     if (auto ended = take_ended()) {
       return std::move(*ended);

@@ -59,6 +59,13 @@ Result<pid_t> LocalWorkers::spawn(const Flags& flags) const {
   return pid;
 }
 
+Result<void> LocalWorkers::check(const std::filesystem::path& program) {
+  if (access(program.c_str(), X_OK) != 0) {
+    return failed(fmt::format("cannot start {}: {}", program.string(), std::strerror(errno)));
+  }
+  return {};
+}
+
 Result<LocalWorkers> LocalWorkers::start(const std::filesystem::path& program, const std::vector<Flags>& flags,
                                          std::uint32_t domain) {
   LocalWorkers workers(program, domain);

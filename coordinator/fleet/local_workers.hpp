@@ -29,6 +29,8 @@ class LocalWorkers {
   static Result<LocalWorkers> start(const std::filesystem::path& program, std::size_t count, std::uint32_t domain) {
     return start(program, std::vector<Flags>(count), domain);
   }
+  // Errors: there is nothing that could be started.
+  static Result<void> check(const std::filesystem::path& program);
 
   LocalWorkers(LocalWorkers&& other) noexcept;
   LocalWorkers& operator=(LocalWorkers&&) = delete;

@@ -50,6 +50,15 @@ TEST(HomeChoice, StaysHomeWhileNobodyIsThereUnlessItWouldTakeLong) {
   EXPECT_EQ(choice.way(kWork, 1'000'000, 0), Way::workers);
 }
 
+TEST(HomeChoice, ExpectsAGainOfWorkersThatAreNotThereWhereAGenerationIsLongAndTheyAreSeveral) {
+  HomeChoice choice(2);
+  EXPECT_FALSE(choice.would_gain(kWork, kUnits, 2)) << "nothing was measured";
+  choice.probed(kWork, HomeChoice::kProbe, 8us);
+  EXPECT_FALSE(choice.would_gain(kWork, kUnits, 2)) << "100 us here, and sending alone takes more";
+  EXPECT_TRUE(choice.would_gain(kWork, 100 * kUnits, 2));
+  EXPECT_FALSE(choice.would_gain(kWork, 100 * kUnits, 1));
+}
+
 TEST(HomeChoice, GoesToTheWorkersWhereTheyGain) {
   HomeChoice choice(2);
   choice.way(kWork, kUnits, 2);

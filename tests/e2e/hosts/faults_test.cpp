@@ -121,7 +121,7 @@ TEST_F(Faults, AWorkerThatHoldsAnotherChain) {
 }
 
 TEST_F(Faults, ACoordinatorKilledTwentyTimesAtRandomMomentsInOneRun) {
-  const std::vector<std::string> settings = {"--seed", "4", "--set", "ga.generations=1500"};
+  const std::vector<std::string> settings = {"--seed", "4", "--set", "ga.generations=4000"};
   const auto expected = serial_runs(settings);
   const auto seed = std::random_device{}();
   std::cout << "random moments of seed " << seed << '\n';
