@@ -1,5 +1,6 @@
 // What must be true of a dispatcher whatever happens, held against what the world knows.
 #include <algorithm>
+#include <cstring>
 #include <fmt/format.h>
 
 #include "tests/simulation/world.hpp"
@@ -14,22 +15,48 @@ constexpr std::uint64_t kNowAndThen = 64;
 constexpr Nanos kRecovery = 120 * kSecond;
 constexpr Nanos kTolerance = 20;  // times the ideal
 
+struct Word {
+  std::uint64_t truth = 0;
+  WorkerId liar{};
+  bool operator==(const Word&) const = default;
+};
+
+UnitOutcome outcome_of(bool epoch, const Word& word) {
+  if (epoch) {
+    std::vector<std::uint8_t> bytes(sizeof word);
+    std::memcpy(bytes.data(), &word, sizeof word);
+    return bytes;
+  }
+  Tally tally;
+  tally.steps = word.truth;
+  tally.matches = static_cast<std::uint64_t>(word.liar);
+  return tally;
+}
+
+// Of a slot that nobody filled: a word of nobody.
+Word word_in(const UnitOutcome& outcome) {
+  Word word;
+  if (const auto* const bytes = std::get_if<std::vector<std::uint8_t>>(&outcome)) {
+    std::memcpy(&word, bytes->data(), std::min(bytes->size(), sizeof word));
+  } else {
+    word = {std::get<Tally>(outcome).steps, WorkerId{std::get<Tally>(outcome).matches}};
+  }
+  return word;
+}
+
 std::string shown(const Unit& unit) {
   return fmt::format("unit {} of request {}", unit.index, static_cast<std::uint64_t>(unit.request));
 }
 
 }  // namespace
 
+// A tally for an evaluation, bytes for an epoch; in both, the truth about the unit and who lies about it.
 UnitOutcome World::truth(RequestId request, std::uint32_t unit) const {
-  Tally tally;
-  tally.steps = hash(scenario_.seed, 17, request, unit);
-  return tally;
+  return outcome_of(is_epoch(request), {hash(scenario_.seed, 17, request, unit), WorkerId{}});
 }
 
 UnitOutcome World::lie(RequestId request, std::uint32_t unit, WorkerId liar) const {
-  Tally tally = std::get<Tally>(truth(request, unit));
-  tally.matches = static_cast<std::uint64_t>(liar);
-  return tally;
+  return outcome_of(is_epoch(request), {word_in(truth(request, unit)).truth, liar});
 }
 
 void World::check_sent(const SendTask& task) const {
@@ -150,17 +177,16 @@ void World::check_isolated() {
 }
 
 void World::check_taken(RequestId request, const Dispatcher::Finished& finished) {
-  if (finished.outcomes.size() != scenario_.units) {
-    broken("outcomes", fmt::format("{} of {} units", finished.outcomes.size(), scenario_.units));
+  if (finished.outcomes.size() != units_of(request)) {
+    broken("outcomes", fmt::format("{} of {} units", finished.outcomes.size(), units_of(request)));
   }
-  for (std::uint32_t unit = 0; unit < scenario_.units; ++unit) {
-    const Tally& outcome = std::get<Tally>(finished.outcomes[unit]);
-    const Tally expected = std::get<Tally>(truth(request, unit));
-    if (outcome == expected) {
+  for (std::uint32_t unit = 0; unit < units_of(request); ++unit) {
+    const UnitOutcome expected = truth(request, unit);
+    if (finished.outcomes[unit] == expected) {
       continue;
     }
-    const WorkerId liar{outcome.matches};
-    const bool said = outcome.steps == expected.steps && liars_.count(liar) != 0;
+    const WorkerId liar = word_in(finished.outcomes[unit]).liar;
+    const bool said = finished.outcomes[unit] == lie(request, unit, liar) && liars_.count(liar) != 0;
     if (!said) {
       broken("outcomes", fmt::format("{} has one that nobody computed", shown({request, unit})));
     }
@@ -196,7 +222,9 @@ void World::check_end() const {
   if (!faults_over_ || run_over_ || open_when_faults_ended_.empty()) {
     return;
   }
-  const double ideal = static_cast<double>(scenario_.units) * scenario_.clients * static_cast<double>(scenario_.each);
+  const double units =
+      static_cast<double>(scenario_.units) * scenario_.clients + static_cast<double>(scenario_.demes) * scenario_.epoch;
+  const double ideal = units * static_cast<double>(scenario_.each);
   if (static_cast<double>(now_ - faults_over_at_) > kRecovery + kTolerance * ideal) {
     const InFlight& flight = dispatcher_.flight();
     std::string workers;

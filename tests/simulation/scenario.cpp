@@ -50,6 +50,22 @@ Fault fault_of(Fault::Kind kind, Nanos within, Dice& dice) {
   return fault;
 }
 
+// Everybody dies again and again, until units travel alone; then, often while these still wait, all is given up.
+void add_deaths_in_a_row(Scenario& scenario, Nanos within, Dice& dice) {
+  auto at = static_cast<Nanos>(dice.below(static_cast<std::uint64_t>(within)));
+  for (std::uint64_t deaths = dice.between(1, 4); deaths > 0; --deaths) {
+    scenario.faults.push_back({.kind = Fault::Kind::all_crash, .at = at, .lasts = kMillisecond});
+    at += 20 * kMillisecond + static_cast<Nanos>(dice.below(300 * kMillisecond));
+    if (dice.one_in(2)) {
+      at = scenario.faults.back().at + static_cast<Nanos>(dice.of_any_size(20 * kMillisecond, 2 * kSecond));
+    }
+  }
+  if (dice.one_in(2)) {
+    at = scenario.faults.back().at + static_cast<Nanos>(dice.of_any_size(kMillisecond, 200 * kMillisecond));
+    scenario.faults.push_back({.kind = Fault::Kind::abandon, .at = at});
+  }
+}
+
 }  // namespace
 
 std::string in_words(const Fault& fault) {
@@ -69,7 +85,11 @@ Scenario scenario_of(std::uint64_t seed) {
                                                              : dice.of_any_size(64, 1000));
   scenario.lanes = dice.one_in(4) ? static_cast<std::uint32_t>(dice.between(2, 4)) : 1;
   scenario.own_processes = dice.one_in(2) && scenario.workers <= 64;
+  scenario.guests = scenario.own_processes && dice.one_in(3) ? static_cast<std::uint32_t>(dice.between(1, 3)) : 0;
+  scenario.at_once = dice.one_in(4);
   scenario.clients = dice.one_in(4) ? static_cast<std::uint32_t>(dice.between(2, 16)) : 1;
+  scenario.demes = dice.one_in(4) ? static_cast<std::uint32_t>(dice.between(1, scenario.clients)) : 0;
+  scenario.epoch = static_cast<std::uint32_t>(dice.of_any_size(1, 64));
   scenario.units = static_cast<std::uint32_t>(size < 960   ? dice.of_any_size(1, 32)
                                               : size < 998 ? dice.of_any_size(16, 1000)
                                                            : dice.of_any_size(1000, 100'000));
@@ -120,6 +140,18 @@ Scenario scenario_of(std::uint64_t seed) {
     }
     scenario.faults.push_back(fault);
   }
+  if (dice.one_in(8)) {
+    add_deaths_in_a_row(scenario, within, dice);
+  }
+  return scenario;
+}
+
+Scenario arrival_of(std::uint32_t workers) {
+  Scenario scenario;
+  scenario.seed = workers;
+  scenario.workers = workers;
+  scenario.at_once = true;
+  scenario.units = 10 * workers;
   return scenario;
 }
 
@@ -138,7 +170,9 @@ std::string command_of(const Scenario& scenario, const std::string& mutation) {
     command += value == original ? "" : fmt::format(" --{} {}", flag, value);
   };
   add("workers", scenario.workers, whole.workers);
+  add("guests", scenario.guests, whole.guests);
   add("clients", scenario.clients, whole.clients);
+  add("demes", scenario.demes, whole.demes);
   add("requests", scenario.requests, whole.requests);
   add("units", scenario.units, whole.units);
   if (kept.size() != whole.faults.size()) {

@@ -50,14 +50,18 @@ std::string in_words(const Fault& fault);
 
 struct Scenario {
   std::uint64_t seed = 0;
-  std::uint32_t workers = 1;        // seats
-  std::uint32_t lanes = 1;          // of each
-  bool own_processes = false;       // the coordinator starts them, and sees them end
-  std::uint32_t clients = 1;        // requests at once
-  std::uint32_t requests = 1;       // of each client, one after another
-  std::uint32_t units = 1;          // of a request
-  std::uint32_t portions = 1;       // in which they come
-  Nanos each = kMillisecond;        // computing a unit
+  std::uint32_t workers = 1;   // seats
+  std::uint32_t guests = 0;    // honest workers of other hosts beside them, whose process numbers are the same
+  bool at_once = false;        // all come at the same instant
+  std::uint32_t lanes = 1;     // of each
+  bool own_processes = false;  // the coordinator starts them, and sees them end
+  std::uint32_t clients = 1;   // requests at once
+  std::uint32_t demes = 0;     // of the clients: each asks for one epoch after another, when its neighbour is as far
+  std::uint32_t epoch = 1;     // what an epoch takes, in units
+  std::uint32_t requests = 1;  // of each client, one after another
+  std::uint32_t units = 1;     // of a request
+  std::uint32_t portions = 1;  // in which they come
+  Nanos each = kMillisecond;   // computing a unit
   Nanos delay = 50 * kMicrosecond;  // of a message, at least; on average twice that
   std::uint32_t lost = 0;           // messages of a million
   std::uint32_t doubled = 0;        // answers of a million
@@ -71,9 +75,12 @@ struct Scenario {
   std::vector<Fault> faults;
 
   std::uint64_t total_requests() const { return std::uint64_t{clients} * requests; }
+  std::uint32_t seats() const { return workers + guests; }
 };
 
 Scenario scenario_of(std::uint64_t seed);
+// So many workers that come at the same instant, and one request of ten units for each; no faults.
+Scenario arrival_of(std::uint32_t workers);
 // The command that runs exactly this.
 std::string command_of(const Scenario& scenario, const std::string& mutation);
 

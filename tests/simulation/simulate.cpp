@@ -1,7 +1,10 @@
 // The simulation of dispatch by hand: seeds at will, or one run as a finding's command line says.
 //   simulate --seeds A:B [--mutation NAME]         every seed from A to B - 1; stops at the first finding, and shrinks
-//   it simulate --seed S [--workers N] [--clients N] [--requests N] [--units N] [--faults none|I,J,...] [--mutation
-//   NAME] simulate --mutations                           their names
+//   it
+//   simulate --seed S [--workers N] [--guests N] [--clients N] [--demes N] [--requests N] [--units N]
+//            [--faults none|I,J,...] [--mutation NAME]
+//   simulate --arrive N                            so many workers that come at once, and what each costs in memory
+//   simulate --mutations                           their names
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <csignal>
@@ -29,11 +32,13 @@ void on_abort(int signal) {
 
 void show(const Scenario& scenario) {
   fmt::print(
-      "seed {}: {} workers of {} lanes ({}), {} requesters x {} requests of {} units in {} portions, {} us each; "
+      "seed {}: {} workers of {} lanes ({}){}, {} guests; {} requesters, {} of them demes, x {} requests of {} units "
+      "in {} portions, {} us each; "
       "messages take {} us and more, {} of a million are lost, {} come twice; cross-check {} in 1000\n",
       scenario.seed, scenario.workers, scenario.lanes, scenario.own_processes ? "own processes" : "of other hosts",
-      scenario.clients, scenario.requests, scenario.units, scenario.portions, scenario.each / kMicrosecond,
-      scenario.delay / kMicrosecond, scenario.lost, scenario.doubled, scenario.cross_check);
+      scenario.at_once ? " at once" : "", scenario.guests, scenario.clients, scenario.demes, scenario.requests,
+      scenario.units, scenario.portions, scenario.each / kMicrosecond, scenario.delay / kMicrosecond, scenario.lost,
+      scenario.doubled, scenario.cross_check);
   for (const Fault& fault : scenario.faults) {
     fmt::print("  {}\n", in_words(fault));
   }
@@ -50,7 +55,7 @@ int found(const Scenario& scenario, const Finding& finding, const std::string& m
 struct Options {
   std::string seeds;
   std::optional<std::uint64_t> seed;
-  std::optional<std::uint32_t> workers, clients, requests, units;
+  std::optional<std::uint32_t> workers, guests, clients, demes, requests, units, arrive;
   std::string faults;
   std::string mutation;
   bool names = false;
@@ -78,6 +83,8 @@ int run_seeds(std::uint64_t begin, std::uint64_t end, const std::string& mutatio
 int run_one(const Options& options) {
   Scenario scenario = scenario_of(*options.seed);
   scenario.workers = options.workers.value_or(scenario.workers);
+  scenario.guests = options.guests.value_or(scenario.guests);
+  scenario.demes = options.demes.value_or(scenario.demes);
   scenario.clients = options.clients.value_or(scenario.clients);
   scenario.requests = options.requests.value_or(scenario.requests);
   scenario.units = options.units.value_or(scenario.units);
@@ -101,6 +108,23 @@ int run_one(const Options& options) {
   return 0;
 }
 
+int arrive(std::uint32_t workers) {
+  Report report;
+  const auto start = std::chrono::steady_clock::now();
+  if (const auto finding = run_here(arrival_of(workers), &report)) {
+    fmt::print("{}\n", finding->how);
+    return 1;
+  }
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  fmt::print(
+      "{} workers at once: all are ready after {:.0f} ms, {} units done after {:.0f} ms of simulated time; {:.1f} s; "
+      "the "
+      "dispatcher keeps {} bytes for a worker\n",
+      workers, static_cast<double>(report.all_ready) / kMillisecond, 10 * workers,
+      static_cast<double>(report.simulated) / kMillisecond, seconds, bytes_of_a_worker(workers));
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -109,6 +133,9 @@ int main(int argc, char** argv) {
   app.add_option("--seeds", options.seeds, "A:B: from A to B - 1");
   app.add_option("--seed", options.seed, "One run");
   app.add_option("--workers", options.workers, "Of that run");
+  app.add_option("--guests", options.guests, "Of that run");
+  app.add_option("--demes", options.demes, "Of that run");
+  app.add_option("--arrive", options.arrive, "So many workers that come at once");
   app.add_option("--clients", options.clients, "Of that run");
   app.add_option("--requests", options.requests, "Of that run");
   app.add_option("--units", options.units, "Of that run");
@@ -127,6 +154,9 @@ int main(int argc, char** argv) {
     return 2;
   }
   std::signal(SIGABRT, on_abort);
+  if (options.arrive) {
+    return arrive(*options.arrive);
+  }
   if (options.seed) {
     return run_one(options);
   }

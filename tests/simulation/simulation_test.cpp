@@ -9,7 +9,7 @@
 namespace coppice::simulation {
 namespace {
 
-constexpr std::uint64_t kMostSeedsToFind = 20'000;  // a mutation that these do not find is not found
+constexpr std::uint64_t kMostSeedsToFind = 4'000;  // about 10 s; a mutation that these do not find is not found
 
 std::string told(const Scenario& scenario, const Finding& finding, const std::string& mutation) {
   const Scenario small = shrunk(scenario, finding);
@@ -56,6 +56,19 @@ TEST_P(Mutations, AreFound) {
 
 INSTANTIATE_TEST_SUITE_P(Simulation, Mutations, ::testing::ValuesIn(kMutationNames.begin() + 1, kMutationNames.end()),
                          [](const auto& mutation) { return std::string(mutation.param); });
+
+class Arrival : public ::testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(Arrival, AtOnceOverwhelmsNothing) {
+  Report report;
+  const auto finding = run_here(arrival_of(GetParam()), &report);
+  ASSERT_FALSE(finding) << finding->how;
+  EXPECT_EQ(report.requests, 1U);
+  EXPECT_GT(report.all_ready, 0);
+  EXPECT_LT(bytes_of_a_worker(GetParam()), 2048U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Simulation, Arrival, ::testing::Values(500U, 1000U));
 
 TEST(Simulation, IsTheSameEachTime) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {

@@ -6,6 +6,7 @@
 #include <csignal>
 #include <exception>
 #include <fmt/format.h>
+#include <malloc.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -66,6 +67,32 @@ std::optional<Finding> run_apart(const Scenario& scenario) {
   return Finding{text.substr(0, end), text.substr(end + 1)};
 }
 
+std::size_t bytes_of_a_worker(std::uint32_t workers) {
+  using Time = Dispatcher::Time;
+  DispatchSettings settings;
+  settings.protocol = World::kProtocol;
+  Dispatcher dispatcher(settings);
+  const std::size_t before = mallinfo2().uordblks;
+  std::vector<DispatchEvent> events;
+  for (std::uint64_t i = 1; i <= workers; ++i) {
+    HelloHeard hello;
+    hello.worker = WorkerId{hash(i) | 1U};
+    hello.origin = Origin{static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8U)};
+    hello.name = "a-host-of-a-usual-name.example.org, pid 1234567";
+    hello.version = "1.0.0";
+    hello.protocol = World::kProtocol;
+    hello.serves = hello.holds_chain = true;
+    events.emplace_back(std::move(hello));
+    events.emplace_back(LinkChanged{WorkerId{hash(i) | 1U}, true});
+  }
+  const RequestId request = dispatcher.open({.work = {}, .most_per_batch = 1, .expected = 2 * workers}, Time{});
+  dispatcher.add(request, 2 * workers);
+  dispatcher.seal(request);
+  dispatcher.step(events, Time{});
+  events = {};
+  return (mallinfo2().uordblks - before) / workers;
+}
+
 namespace {
 
 class Shrinking {
@@ -76,6 +103,8 @@ class Shrinking {
   Scenario run() {
     for (bool smaller = true; smaller && left_ > 0;) {
       smaller = fewer_faults();
+      smaller = none(&Scenario::guests) || smaller;
+      smaller = none(&Scenario::demes) || smaller;
       smaller = fewer(&Scenario::requests) || smaller;
       smaller = fewer(&Scenario::clients) || smaller;
       smaller = fewer(&Scenario::units) || smaller;
@@ -116,6 +145,12 @@ class Shrinking {
       }
     }
     return smaller;
+  }
+
+  bool none(std::uint32_t Scenario::*field) {
+    Scenario candidate = best_;
+    candidate.*field = 0;
+    return best_.*field > 0 && (accept(candidate) || fewer(field));
   }
 
   bool fewer(std::uint32_t Scenario::*field) {

@@ -21,6 +21,8 @@ struct Finding {
 std::optional<Finding> run_here(const Scenario& scenario, Report* report = nullptr);
 // In a child process, which may end.
 std::optional<Finding> run_apart(const Scenario& scenario);
+// What the dispatcher allocates for each of so many workers that are ready and hold a batch in each lane and one ahead.
+std::size_t bytes_of_a_worker(std::uint32_t workers);
 // The smallest scenario found, by at most `most` runs, that breaks the same promise: fewer faults, then fewer workers,
 // requesters, requests, units.
 Scenario shrunk(Scenario scenario, const Finding& finding, int most = 400);

@@ -28,7 +28,7 @@ DispatchSettings settings_of(const Scenario& scenario) {
 }  // namespace
 
 World::World(const Scenario& scenario)
-    : scenario_(scenario), dispatcher_(settings_of(scenario)), seats_(scenario.workers), clients_(scenario.clients) {}
+    : scenario_(scenario), dispatcher_(settings_of(scenario)), seats_(scenario.seats()), clients_(scenario.clients) {}
 
 void World::at(Nanos time, What what, std::uint32_t seat, std::uint64_t a, std::uint64_t b, std::uint32_t c,
                std::uint32_t d) {
@@ -59,11 +59,13 @@ Report World::run() {
     last_fault = std::max(last_fault, fault.at + fault.lasts);
   }
   at(last_fault + kMillisecond, What::fault_ends, ~0U);
-  for (std::uint32_t seat = 0; seat < scenario_.workers; ++seat) {
+  for (std::uint32_t seat = 0; seat < scenario_.seats(); ++seat) {
     seats_[seat].place = seat;
-    at(static_cast<Nanos>(hash(scenario_.seed, 5, seat) % (20 * kMillisecond)), What::process_comes, seat);
+    const std::uint64_t within = scenario_.at_once ? 1 : 20 * kMillisecond;
+    at(static_cast<Nanos>(hash(scenario_.seed, 5, seat) % within), What::process_comes, seat);
   }
   for (std::uint32_t client = 0; client < scenario_.clients; ++client) {
+    clients_[client].due = true;
     at(0, What::client, ~0U, client);
   }
   while (!run_over_) {
@@ -113,7 +115,7 @@ void World::happen(const Happening& happening) {
     case What::client:
       if (clients_[happening.a].request) {
         add_portion(static_cast<std::uint32_t>(happening.a));
-      } else if (!clients_[happening.a].over) {
+      } else if (!clients_[happening.a].over && clients_[happening.a].due) {
         begin_request(static_cast<std::uint32_t>(happening.a));
       }
       return;
@@ -162,15 +164,33 @@ void World::happen(const Happening& happening) {
   }
 }
 
+// A deme's next epoch takes in who left its neighbour after the last one.
+bool World::may_begin(std::uint32_t index) const {
+  if (!is_deme(index)) {
+    return true;
+  }
+  const std::uint32_t demes = std::min(scenario_.demes, scenario_.clients);
+  const Client& neighbour = clients_[(index + demes - 1) % demes];
+  return neighbour.over || neighbour.number >= clients_[index].number;
+}
+
 void World::begin_request(std::uint32_t index) {
   Client& client = clients_[index];
-  client.request = dispatcher_.open({.work = {},
-                                     .most_per_batch = 1 + static_cast<std::uint32_t>(hash(scenario_.seed, 6) % 256),
-                                     .expected = scenario_.units},
-                                    time_of(now_));
+  RequestTerms terms;
+  if (is_deme(index)) {
+    terms = {.work = {.kind = WorkKind::evolve, .size = scenario_.epoch}, .most_per_batch = 1, .expected = 1};
+  } else {
+    terms.most_per_batch = 1 + static_cast<std::uint32_t>(hash(scenario_.seed, 6) % 256);
+    terms.expected = scenario_.units;
+  }
+  client.request = dispatcher_.open(terms, time_of(now_));
+  if (is_deme(index)) {
+    epochs_.insert(*client.request);
+  }
+  client.due = false;
   client.added = 0;
   if (std::exchange(deadly_to_come_, false)) {
-    deadly_ = Unit{*client.request, static_cast<std::uint32_t>(hash(scenario_.seed, 7) % scenario_.units)};
+    deadly_ = Unit{*client.request, static_cast<std::uint32_t>(hash(scenario_.seed, 7) % units_of(*client.request))};
   }
   add_portion(index);
 }
@@ -178,14 +198,15 @@ void World::begin_request(std::uint32_t index) {
 // The rest comes at once, or when what there is may be done already.
 void World::add_portion(std::uint32_t index) {
   Client& client = clients_[index];
-  if (client.added == scenario_.units) {
+  const std::uint32_t units = units_of(*client.request);
+  if (client.added == units) {
     return;
   }
-  const std::uint32_t portion = std::max(scenario_.units / scenario_.portions, 1U);
-  const std::uint32_t more = std::min(portion, scenario_.units - client.added);
+  const std::uint32_t portion = std::max(units / scenario_.portions, 1U);
+  const std::uint32_t more = std::min(portion, units - client.added);
   client.added += more;
   dispatcher_.add(*client.request, more);
-  if (client.added == scenario_.units) {
+  if (client.added == units) {
     dispatcher_.seal(*client.request);
   } else {
     const std::uint64_t draw = hash(scenario_.seed, 19, *client.request, client.added);
@@ -213,8 +234,12 @@ void World::requesters() {
     open_when_faults_ended_.erase(id);
     // Some go on until all that was open when the faults ended is done: nothing may starve behind them.
     client.over = client.number >= scenario_.requests && open_when_faults_ended_.empty();
-    if (!client.over) {
-      at(now_ + static_cast<Nanos>(hash(scenario_.seed, 8, id) % 1000), What::client, ~0U, index);
+  }
+  for (std::uint32_t index = 0; index < clients_.size(); ++index) {
+    Client& client = clients_[index];
+    if (!client.request && !client.over && !client.due && may_begin(index)) {
+      client.due = true;
+      at(now_ + static_cast<Nanos>(hash(scenario_.seed, 8, index, client.number) % 1000), What::client, ~0U, index);
     }
   }
   run_over_ = run_over_ || std::all_of(clients_.begin(), clients_.end(), [&](const Client& client) {
@@ -233,6 +258,7 @@ void World::give_up() {
   open_when_faults_ended_.clear();
   for (std::uint32_t index = 0; index < clients_.size(); ++index) {
     if (std::exchange(clients_[index].request, std::nullopt)) {
+      clients_[index].due = true;
       at(now_ + kMicrosecond, What::client, ~0U, index);
     }
   }
@@ -252,6 +278,9 @@ void World::step() {
   }
   if (actions.failure) {
     failed(*actions.failure);
+  }
+  if (report_.all_ready == 0 && dispatcher_.roster().ready() == scenario_.seats()) {
+    report_.all_ready = now_;
   }
   if (!run_over_) {
     check_step(before);
@@ -332,8 +361,11 @@ void World::compute(const Compute& compute) {
   }
   const auto id = static_cast<std::uint64_t>(compute.id);
   computing_.emplace(id, compute);
-  const Nanos takes = scenario_.each * static_cast<Nanos>(compute.units.size()) + (compute.apart ? kMillisecond : 0);
+  Nanos takes = cost(compute.request, compute.units.size()) + (compute.apart ? kMillisecond : 0);
   const std::uint64_t draw = hash(scenario_.seed, 11, id);
+  if (draw % 8 == 0 && !faults_over_) {  // at times the coordinator has little of the processor
+    takes += std::min<Nanos>(15 * takes, kSecond);
+  }
   at(now_ + (draw % 4 == 0 ? takes : 1), What::home_computed, ~0U, id);
 }
 
@@ -394,7 +426,7 @@ void World::hear_answer(const Happening& happening) {
   heard.origin = origin_of(happening.seat, happening.life);
   heard.batch = batch.id;
   heard.kind = static_cast<AnswerHeard::Kind>(happening.c);
-  heard.elapsed = std::chrono::nanoseconds(scenario_.each) * batch.count;
+  heard.elapsed = std::chrono::nanoseconds(cost(batch.request, batch.count));
   const auto out = dispatcher_.find(heard.batch, heard.worker);
   if (out) {
     if (heard.kind == AnswerHeard::Kind::no_memory) {

@@ -6,6 +6,7 @@
 // end, the workers are there and honest, and what is open must end within a limit of simulated time.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -37,6 +38,7 @@ struct Report {
   std::uint64_t steps = 0;
   std::uint64_t actions_hash = 0;
   Nanos simulated = 0;
+  Nanos all_ready = 0;  // when every seat's worker was, for the first time
   bool stopped_by_deadly_unit = false;
 };
 
@@ -122,6 +124,7 @@ class World {
     std::uint32_t number = 0;  // of its requests
     std::uint32_t added = 0;   // units
     bool over = false;
+    bool due = false;  // begins its next request
   };
 
   // Time
@@ -155,10 +158,19 @@ class World {
   void perform(const Action& action);
   void compute(const Compute& compute);
   void requesters();
+  bool is_deme(std::uint32_t client) const { return client < std::min(scenario_.demes, scenario_.clients); }
+  bool may_begin(std::uint32_t client) const;
   void begin_request(std::uint32_t client);
   void add_portion(std::uint32_t client);
   void give_up();
   void failed(const Failure& failure);
+
+  // Of what a request is made
+  bool is_epoch(RequestId request) const { return epochs_.count(request) != 0; }
+  std::uint32_t units_of(RequestId request) const { return is_epoch(request) ? 1 : scenario_.units; }
+  Nanos cost(RequestId request, std::size_t units) const {
+    return scenario_.each * static_cast<Nanos>(units) * (is_epoch(request) ? scenario_.epoch : 1);
+  }
 
   // Truth and promises (checks.cpp)
   UnitOutcome truth(RequestId request, std::uint32_t unit) const;
@@ -180,6 +192,7 @@ class World {
   std::vector<Seat> seats_;
   std::map<WorkerId, std::uint32_t> seat_of_;  // everybody who ever was
   std::vector<Client> clients_;
+  std::set<RequestId> epochs_;  // all that there ever were: the others ask for evaluations
   std::vector<DispatchEvent> inbox_;
   std::map<WorkerId, std::uint64_t> links_;  // open: number
   std::uint64_t next_link_ = 1;

@@ -148,8 +148,8 @@ void World::work(std::uint32_t index) {
       }
       seat.lanes[lane].batch = place;
       ++seat.lanes[lane].turn;
-      const Nanos takes = scenario_.each * static_cast<Nanos>(batch.count) *
-                          static_cast<Nanos>(seat.slow_until > now_ ? seat.slowness : 1);
+      const Nanos takes =
+          cost(batch.request, batch.count) * static_cast<Nanos>(seat.slow_until > now_ ? seat.slowness : 1);
       const bool dies = seat.dies_in_phase == 2 || deadly(batch);
       at(now_ + (dies ? takes / 2 : takes), What::computed, index, lane, seat.lanes[lane].turn, dies ? 1 : 0);
     }
@@ -198,7 +198,7 @@ void World::answer(std::uint32_t index, std::size_t batch, AnswerHeard::Kind kin
 
 void World::begin_fault(const Fault& fault) {
   using Kind = Fault::Kind;
-  const std::uint32_t index = fault.target % scenario_.workers;
+  const std::uint32_t index = fault.target % scenario_.seats();
   const Nanos end = now_ + fault.lasts;
   Seat& seat = seats_[index];
   switch (fault.kind) {
@@ -234,7 +234,7 @@ void World::begin_fault(const Fault& fault) {
       }
       return;
     case Kind::all_crash:
-      for (std::uint32_t each = 0; each < scenario_.workers; ++each) {
+      for (std::uint32_t each = 0; each < scenario_.seats(); ++each) {
         seats_[each].touched = true;
         seats_[each].absent_until = end;
         die(each, false);
@@ -353,7 +353,7 @@ void World::end_all_faults() {
       die(index, false);
     }
     seat.lies = 0;  // before it comes
-    if (!scenario_.own_processes) {
+    if (!scenario_.own_processes || index >= scenario_.workers) {
       at(now_, What::process_comes, index);
     }
   }
