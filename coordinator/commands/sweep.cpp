@@ -96,6 +96,10 @@ Result<void> sweep_command(const Options& options, const StopFlag& stop) {
     const std::filesystem::path folder(options.folder);
     fmt::print("{}table: {}, {}\nplot: {}\n", to_text(*plan, report->results), (folder / "settings.csv").string(),
                (folder / "runs.csv").string(), (folder / "sweep.svg").string());
+    if (report->at_home > 0) {
+      fmt::print("{} individuals evaluated by the coordinator itself: sending them would have taken longer\n",
+                 report->at_home);
+    }
     if (report->rollbacks > 0) {
       fmt::print("rolled back {}, because a worker had answered wrongly: nothing of what it said is in the tables\n",
                  counted(report->rollbacks, "time"));

@@ -91,6 +91,7 @@ class SweepInFolder {
       ++report.rollbacks;
       report.outcome = begin_again(*journal, report);
     }
+    report.at_home = pool_ != nullptr ? pool_->statistics().at_home : 0;
     if (auto ok = write_reports(task_, report.results, study_); !ok) {
       return tl::unexpected(ok.error());
     }

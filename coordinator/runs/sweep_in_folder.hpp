@@ -34,6 +34,7 @@ struct SweepProgress {
 
 struct SweepReport {
   SweepResults results;         // [plan.runs()]
+  std::uint64_t at_home = 0;    // individuals that went to no worker, because sending them costs more
   std::uint32_t rollbacks = 0;  // times that runs were begun again, because a worker was found to lie
   Result<void> outcome;         // what ended the sweep before its end, if anything did
 };
