@@ -1,6 +1,7 @@
 #include "coordinator/dispatch/home_choice.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/check.hpp"
 
@@ -19,7 +20,7 @@ HomeChoice::Class& HomeChoice::at(const WorkClass& work) {
     return classes_.front();
   }
   classes_.resize(std::min(classes_.size(), kClasses - 1));
-  classes_.insert(classes_.begin(), Class{work, {}, {}});
+  classes_.insert(classes_.begin(), Class{.work = work});
   return classes_.front();
 }
 
@@ -66,7 +67,10 @@ void HomeChoice::took_home(const WorkClass& work, std::uint32_t units, Nanosecon
 }
 
 void HomeChoice::took_workers(const WorkClass& work, std::uint32_t units, Nanoseconds elapsed) {
-  at(work).there.add(static_cast<double>(elapsed.count()) / units);
+  Class& known = at(work);
+  if (std::exchange(known.sent, true)) {
+    known.there.add(static_cast<double>(elapsed.count()) / units);
+  }
   spent_ += static_cast<double>(elapsed.count());
 }
 

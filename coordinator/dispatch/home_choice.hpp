@@ -44,6 +44,7 @@ class HomeChoice {
   // What happened.
   void probed(const WorkClass& work, std::uint32_t units, Nanoseconds elapsed);
   void took_home(const WorkClass& work, std::uint32_t units, Nanoseconds elapsed);
+  // The first of a class does not count: the workers got ready for it, and nobody knew their pace.
   void took_workers(const WorkClass& work, std::uint32_t units, Nanoseconds elapsed);
 
  private:
@@ -57,6 +58,7 @@ class HomeChoice {
     WorkClass work;
     Mean here;  // a unit
     Mean there;
+    bool sent = false;  // before
   };
   Class& at(const WorkClass& work);
   double here(const Class& known, double units) const { return known.here.value * units; }

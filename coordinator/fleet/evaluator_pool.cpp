@@ -26,12 +26,13 @@ class EvaluatorPool::Client : public Evaluator, private DemeEvolver {
     if (*at_home) {
       return std::move(**at_home);
     }
+    const bool somebody_is_there = pool_.ready_lanes_ > 0;
     const auto begin = std::chrono::steady_clock::now();
     auto finished = pool_.evaluate(trees, job);
     if (!finished) {
       return tl::unexpected(finished.error());
     }
-    if (home_) {
+    if (home_ && somebody_is_there) {
       home_->took_workers(trees.size(), job, std::chrono::steady_clock::now() - begin);
     }
     statistics_.individuals += trees.size();

@@ -34,6 +34,7 @@ Result<std::vector<Tally>> FleetEvaluator::evaluate(std::span<const Tree> trees,
     return std::move(**at_home);
   }
   const wire::ShortTurns turns;
+  const bool somebody_is_there = fleet_->ready_lanes() > 0;  // else it is their coming that takes long
   const auto begin = std::chrono::steady_clock::now();
   const auto request = fleet_->submit(trees, job);
   if (!request) {
@@ -49,7 +50,9 @@ Result<std::vector<Tally>> FleetEvaluator::evaluate(std::span<const Tree> trees,
     }
   }
   auto tallies = fleet_->take_tallies(*request).tallies;
-  fleet_->took_workers(trees.size(), job, std::chrono::steady_clock::now() - begin);
+  if (somebody_is_there) {
+    fleet_->took_workers(trees.size(), job, std::chrono::steady_clock::now() - begin);
+  }
   return tallies;
 }
 

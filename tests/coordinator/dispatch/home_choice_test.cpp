@@ -59,6 +59,16 @@ TEST(HomeChoice, ExpectsAGainOfWorkersThatAreNotThereWhereAGenerationIsLongAndTh
   EXPECT_FALSE(choice.would_gain(kWork, 100 * kUnits, 1));
 }
 
+TEST(HomeChoice, DoesNotJudgeWorkersByTheirFirstRequest) {
+  HomeChoice choice(2);
+  choice.probed(kWork, HomeChoice::kProbe, 8 * 500us);
+  EXPECT_EQ(choice.way(kWork, kUnits, 2), Way::workers);
+  choice.took_workers(kWork, kUnits, 300ms);
+  EXPECT_EQ(choice.way(kWork, kUnits, 2), Way::workers);
+  choice.took_workers(kWork, kUnits, 300ms);
+  EXPECT_EQ(choice.way(kWork, kUnits, 2), Way::home);
+}
+
 TEST(HomeChoice, GoesToTheWorkersWhereTheyGain) {
   HomeChoice choice(2);
   choice.way(kWork, kUnits, 2);
