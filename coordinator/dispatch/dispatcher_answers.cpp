@@ -110,6 +110,7 @@ void Dispatcher::examine(AnswerHeard& answer, const Batch& batch, std::vector<st
   }
   statistics_.cross_checked += units.size();
   ++requests_.at(batch.request).undecided;
+  flight_.answered(answer.batch, answer.worker);
   compute(batch.request, std::move(units), false,
           Examination{std::move(answer), batch.request, std::move(sample), now_});
 }

@@ -160,6 +160,12 @@ std::optional<InFlight::Found> InFlight::find(BatchId batch, WorkerId worker) co
   return Found{found->second.batch, request_of(found->second.batch) != nullptr, found->second.sent};
 }
 
+void InFlight::answered(BatchId batch, WorkerId worker) {
+  if (const auto found = out_.find(batch); found != out_.end() && found->second.worker == worker) {
+    found->second.answered = true;
+  }
+}
+
 InFlight::Settlement InFlight::settle(BatchId batch, WorkerId worker, Time now) {
   const auto found = out_.find(batch);
   if (found == out_.end() || found->second.worker != worker) {

@@ -126,6 +126,9 @@ class InFlight {
     Time sent;
   };
   std::optional<Found> find(BatchId batch, WorkerId worker) const;
+  // The worker has answered it, and the answer is being looked at: whatever becomes of the worker now, it does not
+  // speak against these units.
+  void answered(BatchId batch, WorkerId worker);
   // REQUIRES: its request is open.
   bool is_settled(const Unit& unit) const { return requests_.at(unit.request).settled[unit.index]; }
   // The worker returned the batch without an answer; its units wait again, at the front. False: foreign.
@@ -187,6 +190,7 @@ class InFlight {
     bool alone = false;
     bool lost = false;       // its worker is: not charged, but an answer still counts
     bool suspected = false;  // lost without a word: counted in losses
+    bool answered = false;   // the worker does not hold it any more
   };
   struct Worker {
     std::size_t lanes = 1;

@@ -125,7 +125,8 @@ InFlight::Loss InFlight::lose_worker(WorkerId worker, Farewell farewell) {
       ++entry;
       continue;
     }
-    const bool at_work = before++ < lanes;
+    const bool answered = out.answered;
+    const bool at_work = !answered && before++ < lanes;
     if (request_of(out.batch) == nullptr) {
       entry = out_.erase(entry);
       continue;
@@ -134,7 +135,9 @@ InFlight::Loss InFlight::lose_worker(WorkerId worker, Farewell farewell) {
     out.lost = true;
     doubled_ = true;
     ++loss.batches;
-    suspect(out, farewell, at_work, loss);
+    if (!answered) {
+      suspect(out, farewell, at_work, loss);
+    }
     if (!COPPICE_MUTATED(lost_batches_forgotten)) {
       wait_again(out, loss);
     }

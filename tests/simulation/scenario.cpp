@@ -152,6 +152,7 @@ Scenario arrival_of(std::uint32_t workers) {
   scenario.workers = workers;
   scenario.at_once = true;
   scenario.units = 10 * workers;
+  scenario.each = 50 * kMillisecond;  // the last are there before it is done
   return scenario;
 }
 

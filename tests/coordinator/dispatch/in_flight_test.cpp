@@ -65,6 +65,19 @@ TEST(InFlight, KeepsToTheCredit) {
   EXPECT_TRUE(flight.offer(kAnn, 1, kStart, {.patience = 1s}));
 }
 
+// Its answer is here, and a sample of it is being computed, when its process ends.
+TEST(InFlight, BlamesNoUnitsThatADyingWorkerHadAnswered) {
+  InFlight flight = two_workers({.ahead = 1});
+  begin(flight, 10);
+  const auto first = flight.offer(kAnn, 4, kStart, {.patience = 1s});
+  const auto second = flight.offer(kAnn, 3, kStart, {.patience = 1s});
+  flight.answered(first->id, kAnn);
+  EXPECT_EQ(flight.lose_worker(kAnn, Farewell::died).suspect, 3U) << "it was at the second";
+  EXPECT_EQ(flight.deaths({first->request, first->first}), 0U);
+  EXPECT_EQ(flight.deaths({second->request, second->first}), 1U);
+  EXPECT_EQ(flight.settle(first->id, kAnn, kStart).fresh.size(), 4U);
+}
+
 TEST(InFlight, CountsADuplicateAndAForeignAnswerAsNothing) {
   InFlight flight = two_workers();
   begin(flight, 2);
