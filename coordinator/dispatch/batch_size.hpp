@@ -10,9 +10,9 @@
 
 namespace coppice {
 
-inline constexpr std::chrono::microseconds kShortestBatch{500};  // several times what sending it takes
+inline constexpr std::chrono::microseconds kShortestBatch{300};  // several times what sending it takes
 inline constexpr std::chrono::milliseconds kLongestBatch{50};
-inline constexpr double kGuidedShare = 0.7;  // of what a lane will have to do until the end
+inline constexpr double kGuidedShare = 0.85;  // of what a lane will have to do until the end
 
 // One worker's measured pace.
 struct WorkerPace {

@@ -20,7 +20,7 @@ HomeChoice::Class& HomeChoice::at(const WorkClass& work) {
     return classes_.front();
   }
   classes_.resize(std::min(classes_.size(), kClasses - 1));
-  classes_.insert(classes_.begin(), Class{.work = work});
+  classes_.insert(classes_.begin(), Class{.work = work, .here = {}, .there = {}});
   return classes_.front();
 }
 

@@ -169,7 +169,7 @@ void World::check_isolated() {
     isolated_before_ = isolated;
     sent_before_ = sent_.size();
   }
-  const std::size_t many = 1000 + 100 * scenario_.workers * (scenario_.lanes + scenario_.ahead);
+  const std::size_t many = 1000 + 100 * scenario_.seats() * (scenario_.lanes + scenario_.ahead);
   if (sent_.size() - sent_before_ > many) {
     broken("starves", fmt::format("{} units that travel alone wait while {} batches of others are sent", isolated,
                                   sent_.size() - sent_before_));

@@ -29,7 +29,7 @@ std::uint32_t size(std::uint32_t waiting, std::size_t lanes, std::chrono::nanose
 
 TEST(BatchSize, SharesAGenerationAmongTheLanes) {
   EXPECT_EQ(size(200, 2, 1ms), 50U);    // 50 ms is the longest
-  EXPECT_EQ(size(100, 2, 100us), 35U);  // 0.7 of a share: guided
+  EXPECT_EQ(size(100, 2, 100us), 43U);  // 0.85 of a share: guided
   EXPECT_EQ(size(100, 2, 1us), 51U);    // not worth splitting further
   EXPECT_EQ(size(1, 64, 1us), 1U);
   EXPECT_EQ(size(100, 2, 10s), 1U);
@@ -56,7 +56,7 @@ TEST(BatchSize, TriesAWorkerThatWasNeverMeasuredWithOne) {
 TEST(BatchSize, GivesByPace) {
   FleetPace fleet = alike(19, 2ms);
   fleet.add({1, 20ms}, 0ns);
-  EXPECT_EQ(batch_size(request(400, fleet, {1, 2ms})), 15U);  // 0.7 of 42 ms
+  EXPECT_EQ(batch_size(request(400, fleet, {1, 2ms})), 18U);  // 0.85 of 42 ms
   EXPECT_EQ(batch_size(request(400, fleet, {1, 20ms})), 2U);
 }
 
