@@ -242,7 +242,11 @@ void Dispatcher::tend() {
     without_worker_since_.reset();
     return;
   }
-  if (!requests_.empty() && roster_.listened() - last_settled_ > settings_.wait_limit && !roster_.all().empty()) {
+  if (roster_.ready() > 0 && without_worker_since_) {  // while nobody was there, nobody could answer
+    last_settled_ = std::min(roster_.listened(), last_settled_ + (roster_.listened() - *without_worker_since_));
+    without_worker_since_.reset();
+  }
+  if (!requests_.empty() && roster_.listened() - last_settled_ > settings_.wait_limit && roster_.ready() > 0) {
     fail({ErrorKind::no_worker,
           fmt::format("no batch was answered for {} s; what was evaluated is kept",
                       std::chrono::duration_cast<std::chrono::seconds>(settings_.wait_limit).count())});
@@ -254,7 +258,6 @@ void Dispatcher::tend() {
 // Logs that nobody is there, now and then; fails when nobody came for too long, or nobody can.
 void Dispatcher::await_workers() {
   if (roster_.ready() > 0) {
-    without_worker_since_.reset();
     return;
   }
   if (!places_.empty() && processes() == 0) {

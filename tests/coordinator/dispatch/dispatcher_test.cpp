@@ -459,6 +459,17 @@ TEST_F(Dispatching, FailsAfterTheWaitLimitWhenNobodyComes) {
   EXPECT_NE(failure_->error.message.find("no worker within 1 s"), std::string::npos) << failure_->error.message;
 }
 
+TEST_F(Dispatching, GivesAWorkerThatComesLateItsTime) {
+  start({.wait_limit = 1s});
+  const RequestId id = request(1);
+  pass(900ms);
+  come(1);
+  pass(500ms, {1});
+  EXPECT_FALSE(failure_) << failure_->error.message;
+  answer_all();
+  expect_truth(id);
+}
+
 TEST_F(Dispatching, FreesTheCreditOfAnswersToClosedRequests) {
   start({.limits = {.ahead = 0}});
   come(1);
