@@ -8,7 +8,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-readonly most_changed=24
+readonly most_changed=12
 
 usage() {
   echo "tests/lint.sh: $1: expected no argument, or --changed [BASE]" >&2

@@ -33,6 +33,18 @@ class ChainBuilder {
 
   std::size_t transitions() const { return used_; }
 
+  // All that was counted, to be kept and added to a new builder: ascending by row, then by next.
+  struct Counted {
+    std::uint64_t row = 0;  // state * actions + action
+    std::uint64_t next = 0;
+    std::uint64_t count = 0;
+    bool operator==(const Counted&) const = default;
+  };
+  std::vector<Counted> counted() const;
+  // False, and nothing is added: the transition is there already, or its count is 0. REQUIRES: row and next below 2^32
+  // times actions and 2^32.
+  bool add(const Counted& transition);
+
   // Writes row_begin, successor and count of `parts` for `states` states. Errors: a count that reached 2^32.
   Result<void> fill(std::size_t states, ChainParts& parts) const;
 
@@ -42,7 +54,7 @@ class ChainBuilder {
     std::uint64_t count = 0;
   };
 
-  void insert(std::uint64_t key);
+  void insert(std::uint64_t key, std::uint64_t count = 1);
   void grow();
 
   std::size_t actions_;

@@ -64,4 +64,13 @@ Xoshiro256::Xoshiro256(std::uint64_t seed) : state_{} {
   }
 }
 
+std::optional<Xoshiro256> Xoshiro256::from_state(const std::array<std::uint64_t, 4>& state) {
+  if (state == std::array<std::uint64_t, 4>{}) {
+    return std::nullopt;
+  }
+  Xoshiro256 random(0);
+  random.state_ = state;
+  return random;
+}
+
 }  // namespace coppice

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 namespace coppice {
@@ -77,6 +78,9 @@ class Xoshiro256 {
  public:
   // Any seed is good: the state is filled by SplitMix64.
   explicit Xoshiro256(std::uint64_t seed);
+  // Goes on where another stood. Nothing: all zeros, of which no draw would ever be another number than zero.
+  static std::optional<Xoshiro256> from_state(const std::array<std::uint64_t, 4>& state);
+  const std::array<std::uint64_t, 4>& state() const { return state_; }
 
   std::uint64_t next() {
     const std::uint64_t result = rotate(state_[0] + state_[3], 23) + state_[0];

@@ -84,45 +84,6 @@ std::vector<Measure> front_objectives() {
           measure_of(ObjectiveKind::expected_return), measure_of(ObjectiveKind::collisions), kNodesMeasure};
 }
 
-std::string_view name_of(Search search) { return search == Search::front ? "front" : "scalar"; }
-
-std::string_view name_of(Form form) { return form == Form::guarded ? "guarded" : "free"; }
-
-std::string_view name_of(Simplification simplification) {
-  return simplification == Simplification::lossless ? "lossless" : "none";
-}
-
-std::string_view name_of(Seeding seeding) {
-  switch (seeding) {
-    case Seeding::branches:
-      return "branches";
-    case Seeding::greedy:
-      return "greedy";
-    case Seeding::none:
-      break;
-  }
-  return "none";
-}
-
-std::string_view name_of(Prefer prefer) {
-  constexpr std::array<std::string_view, 6> kNames = {"pick", "balance", "return", "agreement", "coverage", "size"};
-  return kNames.at(static_cast<std::size_t>(prefer));
-}
-
-std::string_view name_of(Schedule schedule) {
-  switch (schedule) {
-    case Schedule::linear:
-      return "linear";
-    case Schedule::step:
-      return "step";
-    case Schedule::constant:
-      break;
-  }
-  return "constant";
-}
-
-std::string_view name_of(Migration migration) { return migration == Migration::random ? "random" : "ring"; }
-
 double FitnessConfig::weight(ObjectiveKind kind) const {
   switch (kind) {
     case ObjectiveKind::agreement:

@@ -2,6 +2,7 @@
 // thesis Table III. config_keys.hpp names every key once, for whoever spells or sends them.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -13,6 +14,7 @@
 #include "common/evolution/measure.hpp"
 #include "common/fitness/job.hpp"
 #include "common/fitness/objective.hpp"
+#include "common/named.hpp"
 #include "common/tree/random_tree.hpp"
 #include "common/tree/vocabulary.hpp"
 
@@ -28,28 +30,34 @@ inline constexpr double kMaxRuleScore = 1e6;
 // How generations follow each other: one number decides (thesis), or a front of trees that none other beats in every
 // measure (NSGA-II with local search, front_search.hpp).
 enum class Search : std::uint8_t { scalar = 0, front = 1 };
+template <>
+inline constexpr std::array kNames<Search> = names("scalar", "front");
 // Which trees there are: any, or those that ask before they act (guard.hpp).
 enum class Form : std::uint8_t { free = 0, guarded = 1 };
+template <>
+inline constexpr std::array kNames<Form> = names("free", "guarded");
 // What is done to every child: nothing, or simplify() that holds in every possible state, so that spare nodes go.
 enum class Simplification : std::uint8_t { none = 0, lossless = 1 };
+template <>
+inline constexpr std::array kNames<Simplification> = names("none", "lossless");
 // What half of the first generation is made of: grown trees like the rest, single-condition branches, or decision lists
 // grown greedily from the policy (seeding.hpp).
 enum class Seeding : std::uint8_t { none = 0, branches = 1, greedy = 2 };
+template <>
+inline constexpr std::array kNames<Seeding> = names("none", "branches", "greedy");
 // Who chooses the answer among the trees of a front: the rule front.pick, on the chain; or what they are worth where
 // they will be used (coordinator/runs/answer.hpp), by a preference.
 enum class Prefer : std::uint8_t { pick = 0, balance = 1, expected_return = 2, agreement = 3, coverage = 4, size = 5 };
+template <>
+inline constexpr std::array kNames<Prefer> = names("pick", "balance", "return", "agreement", "coverage", "size");
 // Who sends a deme migrants: its neighbour in a ring, or its neighbour in a ring drawn anew for each epoch.
 enum class Migration : std::uint8_t { ring = 0, random = 1 };
+template <>
+inline constexpr std::array kNames<Migration> = names("ring", "random");
 // How policy_share of a mixed acting policy moves to policy_share_end over the generations.
 enum class Schedule : std::uint8_t { constant = 0, linear = 1, step = 2 };
-
-std::string_view name_of(Search search);
-std::string_view name_of(Form form);
-std::string_view name_of(Simplification simplification);
-std::string_view name_of(Seeding seeding);
-std::string_view name_of(Schedule schedule);
-std::string_view name_of(Prefer prefer);
-std::string_view name_of(Migration migration);
+template <>
+inline constexpr std::array kNames<Schedule> = names("constant", "linear", "step");
 
 // [ga]
 struct GaConfig {

@@ -68,35 +68,19 @@ Result<void> assign_real(const ConfigKey& key, const ConfigValue& value, double&
   return {};
 }
 
-// The values that a field of a named kind can have are 0 to kLastOf.
-template <typename Named>
-constexpr std::uint8_t kLastOf = 2;
-template <>
-constexpr std::uint8_t kLastOf<Method> = kMethods - 1;
-template <>
-constexpr std::uint8_t kLastOf<Prefer> = 5;
-template <>
-constexpr std::uint8_t kLastOf<Form> = 1;
-template <>
-constexpr std::uint8_t kLastOf<Search> = 1;
-template <>
-constexpr std::uint8_t kLastOf<Simplification> = 1;
-template <>
-constexpr std::uint8_t kLastOf<Migration> = 1;
-
-template <typename Named>
-Result<void> assign_named(const ConfigKey& key, const ConfigValue& value, Named& field) {
+template <Named Enumeration>
+Result<void> assign_named(const ConfigKey& key, const ConfigValue& value, Enumeration& field) {
   const auto* text = std::get_if<std::string>(&value);
-  std::string names;
-  for (std::uint8_t i = 0; i <= kLastOf<Named>; ++i) {
-    const Named named{i};
-    if (text != nullptr && *text == name_of(named)) {
-      field = named;
+  constexpr auto kAll = kNames<Enumeration>;
+  std::string expected;
+  for (std::size_t i = 0; i < kAll.size(); ++i) {
+    if (text != nullptr && *text == kAll[i]) {
+      field = static_cast<Enumeration>(i);
       return {};
     }
-    names += fmt::format("{}\"{}\"", i == 0 ? "" : i == kLastOf<Named> ? " or " : ", ", name_of(named));
+    expected += fmt::format("{}\"{}\"", i == 0 ? "" : i + 1 == kAll.size() ? " or " : ", ", kAll[i]);
   }
-  return mismatch(key, value, names);
+  return mismatch(key, value, expected);
 }
 
 Result<void> assign_text(const ConfigKey& key, const ConfigValue& value, std::string& field) {
@@ -127,73 +111,115 @@ std::vector<ConfigKey> keys_of(EvolveConfig& config) {
   GaConfig& ga = config.ga;
   RolloutConfig& rollout = config.rollout;
   FitnessConfig& fitness = config.fitness;
-  const auto weight = [](ObjectiveKind kind, double& field) {
-    return ConfigKey{"fitness", std::string(name_of(kind)), &field, 0, kMaxWeight};
+  const auto weight = [](ObjectiveKind kind, double& field, const char* help) {
+    return ConfigKey{"fitness", std::string(name_of(kind)), &field, 0, kMaxWeight, help};
   };
   return {
-      {"", "seed", &config.seed, 0, 0},
-      {"ga", "generations", &ga.generations, 1, kMaxGenerations},
-      {"ga", "population", &ga.population, 2, kMaxPopulation},
-      {"ga", "tournament", &ga.tournament, 0, 1},
-      {"ga", "crossover", &ga.crossover, 0, 1},
-      {"ga", "mutation", &ga.mutation, 0, 1},
-      {"ga", "headless_chicken", &ga.headless_chicken, 0, 1},
-      {"ga", "max_depth", &ga.max_depth, 0, kMaxTreeDepth},
-      {"ga", "max_children", &ga.max_children, 2, kMaxTreeNodes - 1},
-      {"ga", "elites", &ga.elites, 0, kMaxPopulation - 1},
-      {"ga", "max_nodes", &ga.max_nodes, 1, kMaxTreeNodes},
-      {"ga", "max_conditions", &ga.max_conditions, 0, kMaxTreeNodes},
-      {"ga", "form", &ga.form, 0, 0},
-      {"ga", "search", &ga.search, 0, 0},
-      {"ga", "simplify", &ga.simplify, 0, 0},
-      {"ga", "seeding", &ga.seeding, 0, 0},
-      {"ga", "edits", &ga.edits, 0, 1},
-      {"ga", "local_search", &ga.local_search, 0, 1},
-      {"ga", "guided", &ga.guided, 0, 1},
-      {"ga", "guided_steps", &ga.guided_steps, 1, kMaxGuidedSteps},
-      {"ga", "founders", &ga.founders, 0, 0},
-      {"ga", "demes", &ga.demes, 1, kMaxDemes},
-      {"ga", "epoch", &ga.epoch, 0, kMaxGenerations},
-      {"ga", "migrants", &ga.migrants, 0, kMaxPopulation},
-      {"ga", "migration", &ga.migration, 0, 0},
-      {"rollout", "rollouts", &rollout.rollouts, 1, kMaxRollouts},
-      {"rollout", "steps", &rollout.steps, 1, kMaxSteps},
-      {"rollout", "final_rollouts", &rollout.final_rollouts, 1, kMaxRollouts},
-      {"rollout", "acting", &rollout.acting, 0, 0},
-      {"rollout", "policy_share", &rollout.policy_share, 0, 1},
-      {"rollout", "schedule", &rollout.schedule, 0, 0},
-      {"rollout", "policy_share_end", &rollout.policy_share_end, 0, 1},
-      {"rollout", "start", &rollout.start, 0, 0},
-      {"rollout", "method", &rollout.method, 0, 0},
-      {"rollout", "final_method", &rollout.final_method, 0, 0},
-      {"rollout", "gamma", &rollout.gamma, 0, kMaxGamma},
-      weight(ObjectiveKind::agreement, fitness.agreement),
-      weight(ObjectiveKind::q_value, fitness.q_value),
-      weight(ObjectiveKind::shaped, fitness.shaped),
-      weight(ObjectiveKind::coverage, fitness.coverage),
-      weight(ObjectiveKind::visits, fitness.visits),
-      weight(ObjectiveKind::expected_return, fitness.expected_return),
-      weight(ObjectiveKind::regret, fitness.regret),
-      weight(ObjectiveKind::seen, fitness.seen),
-      weight(ObjectiveKind::collisions, fitness.collisions),
-      weight(ObjectiveKind::unknown, fitness.unknown),
-      {"fitness", "seen_visits", &fitness.seen_visits, 0, kMaxThreshold},
-      {"fitness", "collision_reward", &fitness.collision_reward, -kMaxScoredValue, kMaxScoredValue},
-      {"fitness", "size_threshold", &fitness.size_threshold, 0, 1},
-      {"fitness", "size_nodes", &fitness.size_nodes, 1, kMaxTreeNodes},
-      {"fitness", "size_weight", &fitness.size_weight, 0, kMaxWeight},
-      {"front", "objectives", &config.front.objectives, 0, 0},
-      {"front", "max_nodes", &config.front.max_nodes, 1, kMaxTreeNodes},
-      {"front", "restarts", &config.front.restarts, 0, kMaxGenerations - 1},
-      {"front", "members", &config.front.members, 1, kMaxPopulation},
-      {"front", "pick", &config.front.pick, 0, 0},
-      {"front", "prefer", &config.front.prefer, 0, 0},
+      {"", "seed", &config.seed, 0, 0, "the same seed gives the same trees, bit for bit"},
+      {"ga", "generations", &ga.generations, 1, kMaxGenerations, "G of the thesis"},
+      {"ga", "population", &ga.population, 2, kMaxPopulation, "M of the thesis: individuals, in all demes together"},
+      {"ga", "tournament", &ga.tournament, 0, 1,
+       "s of the thesis: share of the population in a tournament; at least one individual"},
+      {"ga", "crossover", &ga.crossover, 0, 1, "P_c of the thesis: share of a generation that crossover makes"},
+      {"ga", "mutation", &ga.mutation, 0, 1, "P_m of the thesis: probability that a child is mutated"},
+      {"ga", "headless_chicken", &ga.headless_chicken, 0, 1,
+       "P_hcc of the thesis: probability that a mutation is a macro mutation"},
+      {"ga", "max_depth", &ga.max_depth, 0, kMaxTreeDepth, "D_d of the thesis: edges from the root"},
+      {"ga", "max_children", &ga.max_children, 2, kMaxTreeNodes - 1, "D_c of the thesis: children of a node"},
+      {"ga", "elites", &ga.elites, 0, kMaxPopulation - 1,
+       "individuals that pass unchanged, fewer than the population; not in the thesis"},
+      {"ga", "max_nodes", &ga.max_nodes, 1, kMaxTreeNodes, "most nodes of a child"},
+      {"ga", "max_conditions", &ga.max_conditions, 0, kMaxTreeNodes,
+       "most conditions of a child: what a decision tree has as tests"},
+      {"ga", "form", &ga.form, 0, 0, "\"free\": any tree; \"guarded\": only trees that ask before they act"},
+      {"ga", "search", &ga.search, 0, 0,
+       "\"scalar\": one number decides; \"front\": no tree is dropped that none other beats in every measure"},
+      {"ga", "simplify", &ga.simplify, 0, 0,
+       "of every child: \"none\", or \"lossless\", pruning that holds in every possible state"},
+      {"ga", "seeding", &ga.seeding, 0, 0,
+       "every second tree of the first generation: \"none\" (grown like the others), \"branches\" (a selector of "
+       "single-condition branches), or \"greedy\" (a decision list grown from the policy)"},
+      {"ga", "edits", &ga.edits, 0, 1,
+       "share of the mutations that are a few small edits: leaves changed, put in, taken out, moved"},
+      {"ga", "local_search", &ga.local_search, 0, 1,
+       "search = \"front\": share of the children that are edits of good trees"},
+      {"ga", "guided", &ga.guided, 0, 1,
+       "search = \"front\": share of the children that then climb by guided edits, which are ranked by what they gain "
+       "to first order and solved exactly, as far as they lead"},
+      {"ga", "guided_steps", &ga.guided_steps, 1, kMaxGuidedSteps, "edits that one of them may climb"},
+      {"ga", "founders", &ga.founders, 0, 0,
+       "trees that the first generation begins with, as text with ; between; at most a population"},
+      {"ga", "demes", &ga.demes, 1, kMaxDemes,
+       "populations of their own that share the individuals of ga.population; the run is spread over threads or "
+       "workers by demes, and is the same for any number of those"},
+      {"ga", "epoch", &ga.epoch, 0, kMaxGenerations,
+       "demes > 1: generations between two exchanges of individuals; 0: none until the end"},
+      {"ga", "migrants", &ga.migrants, 0, kMaxPopulation,
+       "demes > 1: individuals that a deme is given when an epoch begins"},
+      {"ga", "migration", &ga.migration, 0, 0,
+       "demes > 1: from whom, its neighbour in a \"ring\", or in a \"random\" one, drawn for each epoch"},
+      {"rollout", "rollouts", &rollout.rollouts, 1, kMaxRollouts,
+       "k of the thesis: walks per individual in a generation"},
+      {"rollout", "steps", &rollout.steps, 1, kMaxSteps, "t of the thesis: steps per walk"},
+      {"rollout", "final_rollouts", &rollout.final_rollouts, 1, kMaxRollouts,
+       "walks per champion when the best of all generations is chosen; not in the thesis"},
+      {"rollout", "acting", &rollout.acting, 0, 0, "who chooses the transitions: \"tree\", \"policy\" or \"mixed\""},
+      {"rollout", "policy_share", &rollout.policy_share, 0, 1,
+       "acting = \"mixed\": probability, in each step, that the policy chooses"},
+      {"rollout", "schedule", &rollout.schedule, 0, 0,
+       "acting = \"mixed\": how policy_share becomes policy_share_end over the generations: \"constant\" (never), "
+       "\"linear\", or \"step\" (halfway)"},
+      {"rollout", "policy_share_end", &rollout.policy_share_end, 0, 1, "see schedule"},
+      {"rollout", "start", &rollout.start, 0, 0,
+       "where walks start: \"initial\" state, \"visits\" (as often as visited in learning), or \"uniform\""},
+      {"rollout", "method", &rollout.method, 0, 0,
+       "\"rollouts\" samples walks; the others compute expected values, without chance: \"exact\" over `steps` steps, "
+       "\"discounted\" with step i weighing gamma^i, \"long_run\" over infinitely many"},
+      {"rollout", "final_method", &rollout.final_method, 0, 0,
+       "of the last comparison: \"rollouts\", final_rollouts of them, or \"exact\""},
+      {"rollout", "gamma", &rollout.gamma, 0, kMaxGamma, "method = \"discounted\": the discount factor"},
+      weight(ObjectiveKind::agreement, fitness.agreement,
+             "weight of: the tree's action is the policy's, along the walk"),
+      weight(ObjectiveKind::q_value, fitness.q_value, "weight of: Q(s, tree's action), along the walk"),
+      weight(ObjectiveKind::shaped, fitness.shaped,
+             "weight of: rules by predicate, along the walk, see [[fitness.rule]]"),
+      weight(ObjectiveKind::coverage, fitness.coverage, "weight of: states in which tree and policy agree"),
+      weight(ObjectiveKind::visits, fitness.visits,
+             "weight of: the same, each state as often as it was visited in learning"),
+      weight(ObjectiveKind::expected_return, fitness.expected_return,
+             "weight of: mean reward recorded for the tree's action, along the walk"),
+      weight(ObjectiveKind::regret, fitness.regret,
+             "weight of a cost: what the tree's actions lose against the best by Q, each state by its visits"),
+      weight(ObjectiveKind::seen, fitness.seen,
+             "weight of: states visited seen_visits times or more in which tree and policy agree"),
+      weight(ObjectiveKind::collisions, fitness.collisions,
+             "weight of a cost: steps of the walk that are collisions, as the chain counts them, else those whose "
+             "recorded mean reward is collision_reward or less"),
+      weight(ObjectiveKind::unknown, fitness.unknown,
+             "weight of a cost: steps of the walk in a (state, action) that was never tried"),
+      {"fitness", "seen_visits", &fitness.seen_visits, 0, kMaxThreshold, "see seen"},
+      {"fitness", "collision_reward", &fitness.collision_reward, -kMaxScoredValue, kMaxScoredValue, "see collisions"},
+      {"fitness", "size_threshold", &fitness.size_threshold, 0, 1, "once agreement exceeds this, ..."},
+      {"fitness", "size_nodes", &fitness.size_nodes, 1, kMaxTreeNodes, "... min(1, size_nodes / nodes) is added, ..."},
+      {"fitness", "size_weight", &fitness.size_weight, 0, kMaxWeight, "... times this"},
+      {"front", "objectives", &config.front.objectives, 0, 0,
+       "what trees are compared by: names of weights, and nodes"},
+      {"front", "max_nodes", &config.front.max_nodes, 1, kMaxTreeNodes, "most nodes of a tree that is kept"},
+      {"front", "restarts", &config.front.restarts, 0, kMaxGenerations - 1,
+       "times that the search begins anew; its last part goes on from what all parts kept"},
+      {"front", "members", &config.front.members, 1, kMaxPopulation, "trees kept; the most crowded go first"},
+      {"front", "pick", &config.front.pick, 0, 0,
+       "which is the answer, as \"best return with nodes<=20 and coverage>=0.8\" (coppice help pick)"},
+      {"front", "prefer", &config.front.prefer, 0, 0,
+       "who chooses: \"pick\", the rule above, on the chain; or what trees of the front are worth in the simulator, if "
+       "the study has one, by \"balance\", \"return\", \"agreement\", \"coverage\" or \"size\""},
   };
 }
 
 std::vector<ConfigKey> keys_of(RuleConfig& rule) {
-  return {{"fitness.rule", "right", &rule.right, -kMaxRuleScore, kMaxRuleScore},
-          {"fitness.rule", "wrong", &rule.wrong, -kMaxRuleScore, kMaxRuleScore}};
+  return {{"fitness.rule", "right", &rule.right, -kMaxRuleScore, kMaxRuleScore,
+           "score where the tree's action is the policy's"},
+          {"fitness.rule", "wrong", &rule.wrong, -kMaxRuleScore, kMaxRuleScore, "score elsewhere"}};
 }
 
 Result<void> assign(const ConfigKey& key, const ConfigValue& value) {

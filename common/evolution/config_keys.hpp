@@ -1,5 +1,5 @@
-// The keys of an EvolveConfig, once, for every form that a configuration comes in: each names a field, its type and its
-// range. TOML files, assignments and JSON differ only in how they spell a value.
+// The keys of an EvolveConfig, once, for every form that a configuration comes in: each names a field, its type, its
+// range and what it is for. TOML files, assignments and JSON differ only in how they spell a value.
 #pragma once
 
 #include <cstdint>
@@ -27,6 +27,7 @@ struct ConfigKey {
       field;
   double low = 0.0;  // range of a number, both included; of std::uint64_t: all
   double high = 0.0;
+  std::string_view help = {};  // one sentence, for `coppice help keys` and the comments of thesis.toml
 
   std::string full_name() const { return section.empty() ? name : section + "." + name; }
 };

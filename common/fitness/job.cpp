@@ -6,29 +6,13 @@
 #include <fmt/format.h>
 
 #include "common/chain/exact.hpp"
-#include "common/named.hpp"
 
 namespace coppice {
 namespace {
 
-constexpr std::array<std::string_view, 3> kActingNames = {"tree", "policy", "mixed"};
-constexpr std::array<std::string_view, kMethods> kMethodNames = {"rollouts", "exact", "discounted", "long_run"};
-constexpr std::array<std::string_view, kStarts> kStartNames = {"initial", "visits", "uniform"};
 constexpr double kTwo64 = 18446744073709551616.0;
 
 }  // namespace
-
-std::string_view name_of(Acting acting) { return kActingNames.at(static_cast<std::size_t>(acting)); }
-
-Result<Acting> acting_named(std::string_view name) { return value_named<Acting>("acting policy", name, kActingNames); }
-
-std::string_view name_of(Method method) { return kMethodNames.at(static_cast<std::size_t>(method)); }
-
-Result<Method> method_named(std::string_view name) { return value_named<Method>("method", name, kMethodNames); }
-
-std::string_view name_of(Start start) { return kStartNames.at(static_cast<std::size_t>(start)); }
-
-Result<Start> start_named(std::string_view name) { return value_named<Start>("start", name, kStartNames); }
 
 std::uint64_t fixed_point_share(double value) {
   return value >= 1.0 ? ~std::uint64_t{0} : static_cast<std::uint64_t>(value * kTwo64);

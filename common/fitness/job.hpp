@@ -2,35 +2,35 @@
 // values; a tally is a pure function of (tree, chain, job), wherever it is computed.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 #include <vector>
 
 #include "common/fitness/objective.hpp"
+#include "common/named.hpp"
 
 namespace coppice {
 
 // Who chooses the transition in a roll-out (thesis 5-2).
 enum class Acting : std::uint8_t { tree = 0, policy = 1, mixed = 2 };
 
-std::string_view name_of(Acting acting);
-Result<Acting> acting_named(std::string_view name);
+template <>
+inline constexpr std::array kNames<Acting> = names("tree", "policy", "mixed");
 
 // Where a roll-out starts: where the chain's episodes do, or in a state drawn as often as it was visited in learning,
 // or uniformly: starts that reach what walks from the initial state rarely meet.
 enum class Start : std::uint8_t { initial = 0, visits = 1, uniform = 2 };
-inline constexpr std::uint8_t kStarts = 3;
-
-std::string_view name_of(Start start);
-Result<Start> start_named(std::string_view name);
+template <>
+inline constexpr std::array kNames<Start> = names("initial", "visits", "uniform");
+inline constexpr std::uint8_t kStarts = kNames<Start>.size();
 
 // How what is scored along the walk is found (exact_evaluation.hpp): sampled by roll-outs, or computed as the expected
 // value over the same number of steps, discounted, or as the mean over infinitely many steps.
 enum class Method : std::uint8_t { rollouts = 0, exact = 1, discounted = 2, long_run = 3 };
-inline constexpr std::uint8_t kMethods = 4;
-
-std::string_view name_of(Method method);
-Result<Method> method_named(std::string_view name);
+template <>
+inline constexpr std::array kNames<Method> = names("rollouts", "exact", "discounted", "long_run");
+inline constexpr std::uint8_t kMethods = kNames<Method>.size();
 
 // Numbers in [0, 1] travel as shares of 2^64, so that a job has one meaning and one encoding. 1 is the largest share
 // there is, 2^-64 short of 1.

@@ -7,14 +7,10 @@
 #include <limits>
 
 #include "common/check.hpp"
-#include "common/named.hpp"
 #include "common/tree/condition.hpp"
 
 namespace coppice {
 namespace {
-
-constexpr std::array<std::string_view, kObjectiveKinds> kNames = {
-    "agreement", "q_value", "shaped", "coverage", "visits", "return", "regret", "seen", "collisions", "unknown"};
 
 Result<void> check_rules(const Chain& chain, const std::vector<ShapedRule>& rules) {
   if (rules.empty() || rules.size() > kMaxShapedRules) {
@@ -270,12 +266,6 @@ class TableMaker {
 };
 
 }  // namespace
-
-std::string_view name_of(ObjectiveKind kind) { return kNames.at(static_cast<std::size_t>(kind)); }
-
-Result<ObjectiveKind> objective_named(std::string_view name) {
-  return value_named<ObjectiveKind>("objective", name, kNames);
-}
 
 Result<std::vector<ShapedRule>> thesis_rules(const Vocabulary& vocabulary) {
   constexpr std::uint8_t kWall = 0;

@@ -5,6 +5,7 @@
 // integral (Q-values, mean rewards) are rounded once, to fixed point, when the table is made.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -12,6 +13,7 @@
 
 #include "common/chain/chain.hpp"
 #include "common/error.hpp"
+#include "common/named.hpp"
 #include "common/tree/tree.hpp"
 
 namespace coppice {
@@ -29,7 +31,10 @@ enum class ObjectiveKind : std::uint8_t {
                    // whose recorded mean reward is `threshold` or less
   unknown = 9,     // cost: steps of the walk whose (s, a) was never tried, so that nothing is known of them
 };
-inline constexpr std::uint8_t kObjectiveKinds = 10;
+template <>
+inline constexpr std::array kNames<ObjectiveKind> = names("agreement", "q_value", "shaped", "coverage", "visits",
+                                                          "return", "regret", "seen", "collisions", "unknown");
+inline constexpr std::uint8_t kObjectiveKinds = kNames<ObjectiveKind>.size();
 
 // Fixed point of q_value and expected_return: value = score / kScoreOne where all of a chain's values lie within
 // +-kFineScoredValue; where they do not, the unit is the largest power of two with which none of its scores passes
@@ -62,9 +67,6 @@ struct Objective {
   bool operator==(const Objective&) const = default;
 };
 
-std::string_view name_of(ObjectiveKind kind);
-// Errors list the names that exist.
-Result<ObjectiveKind> objective_named(std::string_view name);
 constexpr bool along_walk(ObjectiveKind kind) {
   return kind != ObjectiveKind::coverage && kind != ObjectiveKind::visits && kind != ObjectiveKind::regret &&
          kind != ObjectiveKind::seen;

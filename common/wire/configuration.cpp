@@ -23,7 +23,7 @@ namespace {
 // Participant lease: long, because short leases on an overloaded machine make libddsc 0.10 drop healthy peers;
 // the worker's own liveliness (topics.cpp) is what notices a death quickly.
 constexpr const char* kDiscovery = "<SPDPInterval>1s</SPDPInterval><LeaseDuration>10s</LeaseDuration>";
-// A worker knocks so often that a coordinator has it within a second of its return.
+// A worker announces itself twice a second, so that a coordinator that comes back finds it within a second.
 constexpr const char* kWorkerDiscovery = "<SPDPInterval>500ms</SPDPInterval><LeaseDuration>10s</LeaseDuration>";
 
 // Small packets are repaired one by one, and soon: at 1 % loss this carries 39 MB/s, the defaults 10.

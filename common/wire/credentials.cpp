@@ -148,7 +148,7 @@ std::string expiry_warning(const std::filesystem::path& folder) {
     const auto certificate = read_certificate(folder / name);
     if (certificate && days_left(certificate->get()) <= kWarnDays) {
       return fmt::format(
-          "{} ends in {} days: renew it with deploy/security/make-certificates.sh, or nobody will be let in",
+          "{} ends in {} days: renew it with deploy/security/make-certificates.sh, or no program will accept it",
           (folder / name).string(), days_left(certificate->get()));
     }
   }

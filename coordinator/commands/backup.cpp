@@ -5,6 +5,7 @@
 
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/output_option.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/study/study_backup.hpp"
 
 namespace coppice {
@@ -28,7 +29,7 @@ Result<void> backup_command(const BackupFlags& flags) {
 void add_backup(CLI::App& app, Invocation& invocation) {
   const auto flags = std::make_shared<BackupFlags>();
   CLI::App* command = app.add_subcommand("backup", "Copy a study, also while a run goes on in it");
-  command->add_option("STUDY", flags->study, "The study file; it is only read")->required();
+  add_study_argument(*command, flags->study, "The study file; it is only read");
   add_output_option(*command, flags->output, "The copy", "STUDY")->required();
   command->footer(
       "The copy is what the study held at one moment: every generation saved by then. A run that was under way can be\n"

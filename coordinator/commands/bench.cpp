@@ -16,6 +16,7 @@
 #include "coordinator/bench/scaling.hpp"
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/evaluator_option.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/fleet/local_workers.hpp"
 #include "coordinator/learning/learn.hpp"
@@ -27,9 +28,8 @@ namespace {
 constexpr std::uint64_t kEpisodes = 50'000;  // for the chain of our own: most states of the default room, in 0.2 s
 constexpr std::uint64_t kMostRepetitions = 1000;
 constexpr std::uint64_t kMostPopulation = 1'000'000;
-constexpr std::uint32_t kMostThreads = 1024;  // as coppice-worker
 
-struct Options {
+struct BenchFlags {
   std::string study;
   std::string worker_program;
   std::string security;
@@ -45,12 +45,7 @@ struct Options {
   bool json = false;
 };
 
-void print_now(const std::string& text) {
-  fmt::print("{}", text);
-  static_cast<void>(std::fflush(stdout));  // main() looks at the last one
-}
-
-Result<std::shared_ptr<const Chain>> chain_of(const Options& options, const StopFlag& stop) {
+Result<std::shared_ptr<const Chain>> chain_of(const BenchFlags& options, const StopFlag& stop) {
   if (!options.study.empty()) {
     const Result<Study> study = Study::open(options.study, Study::Access::read);
     if (!study) {
@@ -71,7 +66,7 @@ Result<std::shared_ptr<const Chain>> chain_of(const Options& options, const Stop
   return std::make_shared<const Chain>(std::move(learned->chain));
 }
 
-Result<std::vector<Workload>> workloads_of(const Options& options, const Chain& chain) {
+Result<std::vector<Workload>> workloads_of(const BenchFlags& options, const Chain& chain) {
   std::vector<Workload> all = standard_workloads(chain);
   if (options.workloads.empty()) {
     return all;
@@ -105,7 +100,7 @@ Result<Team> team_of(const std::string& text) {
   return team;
 }
 
-Result<std::vector<Team>> teams_of(const Options& options) {
+Result<std::vector<Team>> teams_of(const BenchFlags& options) {
   std::vector<Team> teams;
   for (const std::string& text : options.workers) {
     const auto team = team_of(text);
@@ -138,7 +133,7 @@ Result<void> read_slow(const std::string& text, PacingSettings& settings) {
   return {};
 }
 
-Result<PacingSettings> pacing_of(const Options& options, const std::vector<Team>& teams,
+Result<PacingSettings> pacing_of(const BenchFlags& options, const std::vector<Team>& teams,
                                  const std::filesystem::path& worker_program) {
   PacingSettings settings;
   settings.workers.clear();
@@ -263,7 +258,7 @@ Result<void> bench_demes(const ScalingSettings& settings, const std::shared_ptr<
   return {};
 }
 
-Result<void> bench_command(const Options& options, const StopFlag& stop) {
+Result<void> bench_command(const BenchFlags& options, const StopFlag& stop) {
   EvaluatorOption local;
   local.worker_program = options.worker_program;
   const auto program = evaluator_choice(local);
@@ -333,20 +328,21 @@ Result<void> bench_command(const Options& options, const StopFlag& stop) {
 }  // namespace
 
 void add_bench(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BenchFlags>();
   CLI::App* command =
       app.add_subcommand("bench", "Measure evaluation: the serial path, then workers, side by side on this machine");
-  command->add_option("--study", options->study, "Whose chain to evaluate on (default: one that is learned now)");
+  command->add_option("--study", options->study,
+                      "The study whose chain to evaluate on (default: one that is learned now)");
   command
       ->add_option("--workers", options->workers,
                    "Numbers of worker processes to try, or processes x threads of each (default: 1,2,4)")
       ->type_name("N|NxT,...")
       ->delimiter(',');
-  command->add_option("--repetitions", options->repetitions, "Of everything, in turn; medians are printed")
+  command->add_option("--repetitions", options->repetitions, "How often everything is measured; medians are printed")
       ->check(whole_number(1, kMostRepetitions))
       ->capture_default_str();
   CLI::Option* workloads =
-      command->add_option("--workloads", options->workloads, "Some of empty, light, medium, heavy (default: all)")
+      command->add_option("--workloads", options->workloads, "Which of empty, light, medium and heavy (default: all)")
           ->type_name("NAME,...")
           ->delimiter(',');
   CLI::Option* pace = command
@@ -386,7 +382,7 @@ void add_bench(CLI::App& app, Invocation& invocation) {
                    "Under DDS Security, with the identities that deploy/security/make-certificates.sh put there")
       ->type_name("DIR")
       ->excludes(pace);
-  command->add_flag("--json", options->json, "Report as one JSON object");
+  add_json_flag(*command, options->json);
   command->footer(
       "Fails if any worker gives another result than the serial path.\n"
       "Examples:\n"

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "coordinator/commands/commands.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/console/counted.hpp"
 #include "coordinator/console/json_line.hpp"
 #include "coordinator/console/printable.hpp"
@@ -78,8 +79,8 @@ void add_check(CLI::App& app, Invocation& invocation) {
   const auto flags = std::make_shared<CheckFlags>();
   CLI::App* command =
       app.add_subcommand("check", "Look through all that a study holds: what is damaged, what can be saved");
-  command->add_option("STUDY", flags->study, "The study file; it is only read")->required();
-  command->add_flag("--json", flags->json, "Report as one JSON object");
+  add_study_argument(*command, flags->study, "The study file; it is only read");
+  add_json_flag(*command, flags->json);
   command->footer(
       "Ends with 0 if all of it can be read, with 1 if not.\n"
       "Example:\n"

@@ -10,12 +10,12 @@
 namespace coppice {
 namespace {
 
-struct Options {
+struct DrawFlags {
   StudyTreeOption tree;
   OutputOption output;
 };
 
-Result<void> draw_command(const Options& options) {
+Result<void> draw_command(const DrawFlags& options) {
   if (const Result<DrawingFormat> format = drawing_format(options.output.path); !format) {
     return in_context("-o", format.error());
   }
@@ -34,7 +34,7 @@ Result<void> draw_command(const Options& options) {
 }  // namespace
 
 void add_draw(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DrawFlags>();
   CLI::App* command = app.add_subcommand("draw", "Draw a tree with Graphviz");
   add_study_tree(*command, options->tree);
   add_output_option(*command, options->output, "The drawing; the extension chooses its format", "FILE.svg|.png|.dot")

@@ -10,6 +10,7 @@
 #include "common/tree/text.hpp"
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/output_option.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/commands/simulate_option.hpp"
 #include "coordinator/commands/study_tree.hpp"
 #include "coordinator/console/json_line.hpp"
@@ -24,7 +25,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct EditFlags {
   StudyTreeOption tree;
   std::vector<std::string> replacements;
   std::vector<std::string> insertions;
@@ -34,7 +35,7 @@ struct Options {
   bool json = false;
 };
 
-Result<std::vector<TreeEdit>> edits_of(const Options& options, const Vocabulary& vocabulary) {
+Result<std::vector<TreeEdit>> edits_of(const EditFlags& options, const Vocabulary& vocabulary) {
   using Kind = TreeEdit::Kind;
   const std::array<std::tuple<const char*, Kind, const std::vector<std::string>*>, 3> given = {
       {{"--replace", Kind::replace, &options.replacements},
@@ -81,7 +82,7 @@ Json json_of(const Tree& tree, const TreeFigures& figures, const Vocabulary& voc
   return json;
 }
 
-Result<void> edit_command(const Options& options, const StopFlag& stop) {
+Result<void> edit_command(const EditFlags& options, const StopFlag& stop) {
   const auto& [path, force] = options.output;
   if (const Result<void> checked = check_output("-o", path, force, options.tree.study); !checked) {
     return checked;
@@ -136,7 +137,7 @@ Result<void> edit_command(const Options& options, const StopFlag& stop) {
 }  // namespace
 
 void add_edit(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<EditFlags>();
   CLI::App* command = app.add_subcommand("edit", "Change a tree by hand, and see its scores before and after");
   add_study_tree(*command, options->tree);
   const auto add_change = [&](const char* flag, std::vector<std::string>& into, const char* help, const char* type) {
@@ -148,7 +149,7 @@ void add_edit(CLI::App& app, Invocation& invocation) {
   add_change("--delete", options->deletions, "Delete node N and what is under it; may be repeated", "N");
   add_output_option(*command, options->output, "Write the tree to this file");
   add_simulate_option(*command, options->simulate);
-  command->add_flag("--json", options->json, "Report as one JSON object");
+  add_json_flag(*command, options->json);
   command->footer(
       "Nodes are numbered as shown, from 0 for the root; children from 0. All numbers are those of the tree before\n"
       "any change. Without a change: the numbered tree and its scores.\n"

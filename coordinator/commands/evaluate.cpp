@@ -14,6 +14,7 @@
 #include "common/evolution/config.hpp"
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/evaluator_option.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/commands/standard_input.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/console/json_line.hpp"
@@ -25,7 +26,7 @@ namespace {
 
 constexpr std::size_t kChunk = 1024;  // trees that are read, then evaluated, then answered
 
-struct Options {
+struct EvaluateFlags {
   std::string study;
   std::string trees = "-";
   EvaluatorOption evaluator;
@@ -44,14 +45,14 @@ struct Question {
   std::vector<double> units;  // one per objective: value = score / unit
 };
 
-Result<Question> question_of(const Options& options, const Chain& chain) {
+Result<Question> question_of(const EvaluateFlags& options, const Chain& chain) {
   EvolveConfig config = options.config;
-  const Result<Acting> acting = acting_named(options.acting);
+  const Result<Acting> acting = value_named<Acting>("acting policy", options.acting);
   if (!acting) {
     return in_context("--acting", acting.error());
   }
   config.rollout.acting = *acting;
-  const Result<Start> start = start_named(options.start);
+  const Result<Start> start = value_named<Start>("start", options.start);
   if (!start) {
     return in_context("--start", start.error());
   }
@@ -84,7 +85,7 @@ Result<Question> question_of(const Options& options, const Chain& chain) {
   Question question;
   std::vector<Objective> objectives;
   for (const std::string& name : options.objectives) {
-    const Result<ObjectiveKind> kind = objective_named(name);
+    const Result<ObjectiveKind> kind = value_named<ObjectiveKind>("objective", name);
     if (!kind) {
       return in_context("--objective", kind.error());
     }
@@ -180,7 +181,7 @@ Result<void> answer_all(TreeLines& lines, Evaluator& evaluator, const Question& 
   return {};
 }
 
-Result<void> evaluate_command(const Options& options, const StopFlag& stop) {
+Result<void> evaluate_command(const EvaluateFlags& options, const StopFlag& stop) {
   const Result<EvaluatorChoice> choice = evaluator_choice(options.evaluator);
   if (!choice) {
     return tl::unexpected(choice.error());
@@ -220,12 +221,12 @@ Result<void> evaluate_command(const Options& options, const StopFlag& stop) {
 }  // namespace
 
 void add_evaluate(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<EvaluateFlags>();
   options->acting = name_of(options->config.rollout.acting);
   options->start = name_of(options->config.rollout.start);
   RolloutConfig& rollout = options->config.rollout;
   CLI::App* command = app.add_subcommand("evaluate", "Evaluate trees: text form in, one a line; JSON out, one a line");
-  command->add_option("STUDY", options->study, "The study file")->required();
+  add_study_argument(*command, options->study);
   command->add_option("--trees", options->trees, "Where the trees are; - is standard input")
       ->type_name("FILE|-")
       ->capture_default_str();
@@ -234,16 +235,18 @@ void add_evaluate(CLI::App& app, Invocation& invocation) {
       ->check(whole_number())
       ->capture_default_str();
   command->add_option("--steps", rollout.steps, "Steps per walk")->check(whole_number())->capture_default_str();
-  command->add_option("--seed", options->config.seed, "Same seed and generation, same walks")
-      ->check(whole_number())
-      ->capture_default_str();
-  command->add_option("--generation", options->generation, "Names the random numbers together with the seed")
+  add_seed_option(*command, options->config.seed, "Same seed and generation, same walks");
+  command
+      ->add_option("--generation", options->generation,
+                   "Number of the generation: decides the random numbers, together with the seed")
       ->check(whole_number())
       ->capture_default_str();
   command->add_option("--acting", options->acting, "Who chooses the steps of a walk")
       ->type_name("tree|policy|mixed")
       ->capture_default_str();
-  command->add_option("--policy-share", rollout.policy_share, "Acting mixed: chance that the policy chooses a step")
+  command
+      ->add_option("--policy-share", rollout.policy_share,
+                   "With --acting mixed: probability that the policy chooses a step")
       ->capture_default_str();
   CLI::Option* exact = command->add_flag("--exact", options->exact,
                                          "No walks: the expected values over --steps steps, computed, without noise");

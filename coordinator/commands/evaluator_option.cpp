@@ -11,6 +11,7 @@
 #include <unistd.h>
 #include <utility>
 
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/fleet/local_workers.hpp"
 
@@ -18,8 +19,6 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kMostLocalWorkers = LocalWorkers::kMaxWorkers;
-constexpr std::size_t kMostThreads = 1024;
-constexpr std::uint32_t kHighestDomain = 230;  // of DDS; above it the ports of RTPS run out
 constexpr double kRemoteCrossCheck = 0.01;
 constexpr std::uint32_t kLongestWait = 7 * 24 * 3600;
 

@@ -9,14 +9,14 @@
 #include "coordinator/commands/evaluator_option.hpp"
 #include "coordinator/commands/evolve_options.hpp"
 #include "coordinator/commands/evolve_progress.hpp"
-#include "coordinator/commands/whole_number.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/runs/evolve_report.hpp"
 #include "coordinator/runs/simulate_study.hpp"
 
 namespace coppice {
 namespace {
 
-struct Options {
+struct EvolveFlags {
   std::string study;
   EvolveOptions evolution;
   EvaluatorOption evaluator;
@@ -45,7 +45,7 @@ Result<RunId> run_to_resume(const Study& study, std::optional<std::int64_t> want
 }
 
 // By --resume=RUN or --run RUN; none: the last.
-Result<std::optional<std::int64_t>> run_wanted(const Options& options) {
+Result<std::optional<std::int64_t>> run_wanted(const EvolveFlags& options) {
   if (options.resume == "last") {
     return options.run;
   }
@@ -59,7 +59,7 @@ Result<std::optional<std::int64_t>> run_wanted(const Options& options) {
   return std::optional<std::int64_t>(run);
 }
 
-Result<void> evolve_command(const Options& options, const StopFlag& stop) {
+Result<void> evolve_command(const EvolveFlags& options, const StopFlag& stop) {
   const Result<EvaluatorChoice> evaluator = evaluator_choice(options.evaluator);
   if (!evaluator) {
     return tl::unexpected(evaluator.error());
@@ -105,26 +105,22 @@ Result<void> evolve_command(const Options& options, const StopFlag& stop) {
 }  // namespace
 
 void add_evolve(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<EvolveFlags>();
   CLI::App* command = app.add_subcommand("evolve", "Breed behaviour trees that do what the policy does");
-  command->add_option("STUDY", options->study, "The study file; the run is kept in it")->required();
+  add_study_argument(*command, options->study, "The study file; the run is kept in it");
   add_evaluator_option(*command, options->evaluator);
   add_evolve_options(*command, options->evolution);
-  CLI::Option* seed = command->add_option("--seed", options->seed, "Same seed, same result (default: seed of --config)")
-                          ->check(whole_number());
+  CLI::Option* seed = add_seed_option(*command, options->seed, "Same seed, same result (default: seed of --config)");
   CLI::Option* resume =
       command->add_flag("--resume{last}", options->resume,
                         "Go on with the last unfinished run, by its own configuration; --resume=RUN with that one");
   resume->excludes(command->get_option("--config"))->excludes(command->get_option("--set"))->excludes(seed);
-  command->add_option("--run", options->run, "With --resume: this run instead of the last unfinished one")
-      ->type_name("N")
-      ->check(whole_number())
-      ->needs(resume);
+  add_run_option(*command, options->run, "With --resume: this run instead of the last unfinished one")->needs(resume);
   command
       ->add_flag("--take-over", options->take_over,
                  "With --resume: even a run of another host, where it may still be running")
       ->needs(resume);
-  command->add_flag("--json", options->json, "Report as one JSON object");
+  add_json_flag(*command, options->json);
   command->footer(
       "Ctrl-C keeps the best so far (exit code 4); --resume goes on to the very same result.\n"
       "Examples:\n"

@@ -5,6 +5,7 @@
 
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/learn_options.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/commands/study_tree.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/console/json_line.hpp"
@@ -14,7 +15,7 @@
 namespace coppice {
 namespace {
 
-struct Options {
+struct ExplainFlags {
   StudyTreeOption tree;
   std::string weights = std::string(name_of(Weighting::tree));
   std::optional<std::uint32_t> steps;
@@ -24,13 +25,13 @@ struct Options {
   bool json = false;
 };
 
-Result<void> explain_command(const Options& options) {
+Result<void> explain_command(const ExplainFlags& options) {
   const Result<StudyTree> given = open_study_tree(options.tree);
   if (!given) {
     return tl::unexpected(given.error());
   }
   const auto& [study, tree] = *given;
-  const Result<Weighting> weighting = weighting_named(options.weights);
+  const Result<Weighting> weighting = value_named<Weighting>("weighting", options.weights);
   if (!weighting) {
     return in_context("--weights", weighting.error());
   }
@@ -54,13 +55,14 @@ Result<void> explain_command(const Options& options) {
 }  // namespace
 
 void add_explain(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ExplainFlags>();
   CLI::App* command =
       app.add_subcommand("explain", "Where tree and policy differ, what it costs, and which branch to add next");
   add_study_tree(*command, options->tree);
   command
-      ->add_option("--weights", options->weights,
-                   "What a state weighs: visits of the tree, of the policy, or in learning; or all states the same")
+      ->add_option(
+          "--weights", options->weights,
+          "How much a state counts: as often as the tree visits it, or the policy, or learning did; or all the same")
       ->type_name("tree|policy|learning|states")
       ->capture_default_str();
   command->add_option("--steps", options->steps, "Steps per episode (default: as in learning)")->check(whole_number());
@@ -70,10 +72,10 @@ void add_explain(CLI::App& app, Invocation& invocation) {
   command->add_option("--groups", options->groups, "Branches to suggest, at most")
       ->check(whole_number())
       ->capture_default_str();
-  command->add_option("--states", options->most_states, "Costliest states to list")
+  command->add_option("--states", options->most_states, "How many of the costliest states to list")
       ->check(whole_number())
       ->capture_default_str();
-  command->add_flag("--json", options->json, "Report as one JSON object");
+  add_json_flag(*command, options->json);
   command->footer(
       "Each suggestion is what 'coppice edit' takes.\n"
       "Examples:\n"

@@ -31,7 +31,7 @@
 namespace coppice {
 namespace {
 
-struct Options {
+struct ExportFlags {
   StudyTreeOption tree;
   std::string format;
   OutputOption output;
@@ -75,7 +75,7 @@ std::string format_names() {
   return names;
 }
 
-Result<const Format*> format_of(const Options& options) {
+Result<const Format*> format_of(const ExportFlags& options) {
   const std::string extension = std::filesystem::path(options.output.path).extension().string();
   for (const Format& format : kFormats) {
     if (options.format.empty() ? (!extension.empty() && extension == format.extension)
@@ -90,13 +90,14 @@ Result<const Format*> format_of(const Options& options) {
   return bad_input(fmt::format("--format {}: expected one of {}", options.format, format_names()));
 }
 
-bool to_standard_output(const Options& options) { return options.output.path == "-"; }
+bool to_standard_output(const ExportFlags& options) { return options.output.path == "-"; }
 
-Result<void> check_target(const Options& options, const std::string& path) {
+Result<void> check_target(const ExportFlags& options, const std::string& path) {
   return check_output("-o", path, options.output.force, options.tree.study);
 }
 
-Result<void> write(const Options& options, const std::string& path, const std::function<void(std::ostream&)>& fill) {
+Result<void> write(const ExportFlags& options, const std::string& path,
+                   const std::function<void(std::ostream&)>& fill) {
   if (to_standard_output(options)) {
     fill(std::cout);
     return {};
@@ -104,7 +105,7 @@ Result<void> write(const Options& options, const std::string& path, const std::f
   return write_whole_file(path, fill);
 }
 
-std::string origin_of(const Options& options) {
+std::string origin_of(const ExportFlags& options) {
   const std::string study = std::filesystem::path(options.tree.study).filename().string();
   if (options.tree.run) {
     return fmt::format("{}, run {}", study, *options.tree.run);
@@ -141,7 +142,7 @@ Result<std::string> tree_text(const Format& format, const ExportedTree& exported
   return to_text(exported.tree, exported.vocabulary) + '\n';
 }
 
-Result<void> export_tree(const Options& options, const Format& format, const Study& study) {
+Result<void> export_tree(const ExportFlags& options, const Format& format, const Study& study) {
   const Result<Tree> given = study_tree(options.tree, study);
   if (!given) {
     return tl::unexpected(given.error());
@@ -175,7 +176,7 @@ Result<void> export_tree(const Options& options, const Format& format, const Stu
 }
 
 // States in which what the tree does is the event for certain.
-Result<std::vector<StateLabel>> labels_of(const Options& options, const Study& study, const Tree& tree) {
+Result<std::vector<StateLabel>> labels_of(const ExportFlags& options, const Study& study, const Tree& tree) {
   std::vector<Event> events = options.events.empty() ? events_of_world(study.world().kind) : std::vector<Event>();
   for (const std::string& text : options.events) {
     Result<Event> event = parse_event(text);
@@ -209,7 +210,7 @@ Result<std::vector<StateLabel>> labels_of(const Options& options, const Study& s
   return labels;
 }
 
-Result<void> export_model(const Options& options, const Format& format, const Study& study) {
+Result<void> export_model(const ExportFlags& options, const Format& format, const Study& study) {
   std::optional<Tree> tree;
   std::vector<StateLabel> labels;
   if (format.about == About::chain_under_tree) {
@@ -253,7 +254,7 @@ Result<void> export_model(const Options& options, const Format& format, const St
   return {};
 }
 
-Result<void> export_command(const Options& options) {
+Result<void> export_command(const ExportFlags& options) {
   const Result<const Format*> format = format_of(options);
   if (!format) {
     return tl::unexpected(format.error());
@@ -274,7 +275,7 @@ Result<void> export_command(const Options& options) {
 }  // namespace
 
 void add_export(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ExportFlags>();
   CLI::App* command = app.add_subcommand("export", "Write a tree, or the chain, for other programs");
   add_study_tree(*command, options->tree);
   add_output_option(*command, options->output, "The file; '-' is standard output")->required();

@@ -6,8 +6,8 @@
 #include "common/tree/text.hpp"
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/output_option.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/commands/simulate_option.hpp"
-#include "coordinator/commands/whole_number.hpp"
 #include "coordinator/console/counted.hpp"
 #include "coordinator/console/progress.hpp"
 #include "coordinator/console/whole_file.hpp"
@@ -19,7 +19,7 @@
 namespace coppice {
 namespace {
 
-struct Options {
+struct FrontFlags {
   std::string study;
   std::optional<std::int64_t> run;
   std::string rule;
@@ -91,7 +91,7 @@ Result<std::vector<ControllerScore>> simulate_front(const Study& study, const Fr
   return scores;
 }
 
-Result<void> front_command(const Options& options, const StopFlag& stop) {
+Result<void> front_command(const FrontFlags& options, const StopFlag& stop) {
   if (options.simulate.episodes == 0 && !options.simulate.simulator.empty()) {
     return bad_input("--simulator without --episodes: expected how many episodes each tree is to walk");
   }
@@ -180,12 +180,10 @@ Result<void> front_command(const Options& options, const StopFlag& stop) {
 }  // namespace
 
 void add_front(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<FrontFlags>();
   CLI::App* command = app.add_subcommand("front", "List the trees that none other beats in every measure, pick one");
-  command->add_option("STUDY", options->study, "The study file")->required();
-  command->add_option("--run", options->run, "Of this run (default: the last that has a front)")
-      ->type_name("N")
-      ->check(whole_number());
+  add_study_argument(*command, options->study);
+  add_run_option(*command, options->run, "The front of this run (default: the last that has one)");
   CLI::Option* pick_option =
       command->add_option("--pick", options->rule, "Print the one tree that this rule chooses")->type_name("RULE");
   add_output_option(*command, options->output, "Also write the picked tree to a file, for --tree FILE")
@@ -198,7 +196,7 @@ void add_front(CLI::App& app, Invocation& invocation) {
       ->capture_default_str();
   add_simulate_option(*command, options->simulate,
                       {.episodes = "Also walk each tree in the simulator, in so many episodes (0: none)"});
-  command->add_flag("--json", options->json, "The front as one JSON list");
+  add_json_flag(*command, options->json, "The front as one JSON list");
   command->footer(
       "A rule: best MEASURE [with MEASURE<=NUMBER and ...] [else best ...], with <=, >= or =; shares are from 0 to 1;\n"
       "a measure is one that the run evaluated, nodes, or fitness.\n"

@@ -108,11 +108,11 @@ std::string keys_text() {
   std::string text =
       "Each can stand in a file (--config FILE.toml, sections in brackets) and on the command line (--set KEY=VALUE). "
       "Shown\n"
-      "is what holds where neither a recipe nor a file nor --set says otherwise: the thesis, Table III. Every key is\n"
-      "explained in coordinator/evolution/thesis.toml.\n\n";
+      "is what holds where neither a recipe nor a file nor --set says otherwise: the thesis, Table III.\n\n";
   for (const ConfigKey& key : keys) {
     text += fmt::format("  {:<{}} = {}", key.full_name(), width, as_text(value_of(key)));
     text += key.low < key.high ? fmt::format("   from {:.15g} to {:.15g}\n", key.low, key.high) : "\n";
+    text += fmt::format("      {}\n", key.help);
   }
   return text + "\n[[fitness.rule]] (any_of, right, wrong), rules of the objective 'shaped', only in a file.\n";
 }

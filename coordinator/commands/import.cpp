@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "coordinator/commands/commands.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/console/counted.hpp"
 #include "coordinator/console/json_line.hpp"
@@ -24,7 +25,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t kShares = 100;  // of the progress bar
 
-struct Options {
+struct ImportFlags {
   std::string source;
   std::string study;
   std::string problem;
@@ -71,7 +72,7 @@ class ImportBar {
   std::optional<Progress> bar_;
 };
 
-Result<ImportSettings> settings_of(const Options& options) {
+Result<ImportSettings> settings_of(const ImportFlags& options) {
   ImportSettings settings;
   settings.source = options.source;
   if (!options.problem.empty()) {
@@ -82,9 +83,9 @@ Result<ImportSettings> settings_of(const Options& options) {
     settings.problem = std::move(*file);
   }
   if (!options.format.empty()) {
-    const auto format = format_named(options.format);
+    const auto format = value_named<SourceFormat>("format", options.format);
     if (!format) {
-      return tl::unexpected(format.error());
+      return in_context("--format", format.error());
     }
     settings.format = *format;
   }
@@ -215,7 +216,7 @@ std::string text_of(const Imported& imported, const std::string& study) {
 // frees several as large as its chain, and what stays between them would be a third of the peak.
 constexpr int kMappedFrom = 1 << 18;  // bytes
 
-Result<void> import_command(const Options& options, const StopFlag& stop) {
+Result<void> import_command(const ImportFlags& options, const StopFlag& stop) {
   static_cast<void>(mallopt(M_MMAP_THRESHOLD, kMappedFrom));
   const auto settings = settings_of(options);
   if (!settings) {
@@ -252,7 +253,7 @@ Result<void> import_command(const Options& options, const StopFlag& stop) {
 }  // namespace
 
 void add_import(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ImportFlags>();
   CLI::App* command = app.add_subcommand("import", "Start a study from a model, a table or a log of another tool");
   command
       ->add_option("SOURCE", options->source,
@@ -291,7 +292,7 @@ void add_import(CLI::App& app, Invocation& invocation) {
   command->add_flag("--again", options->again, "Episodes that end start again (default: they stay where they ended)");
   command->add_option("--simulator", options->simulator, "The problem's own simulator, kept in the study")
       ->type_name("COMMAND");
-  command->add_flag("--json", options->json, "Report as one JSON object");
+  add_json_flag(*command, options->json);
   command->footer(
       "Examples:\n"
       "  coppice import maze.drn -o maze.coppice --solve --gamma 0.99\n"

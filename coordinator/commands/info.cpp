@@ -11,6 +11,7 @@
 
 #include "common/tree/text.hpp"
 #include "coordinator/commands/commands.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/console/counted.hpp"
 #include "coordinator/console/json_line.hpp"
 #include "coordinator/console/printable.hpp"
@@ -26,8 +27,9 @@ using Json = nlohmann::ordered_json;
 constexpr std::string_view kAheadFeature = "s3";  // the sensor ahead, thesis Figure 7
 constexpr std::uint8_t kWall = 0;
 
-struct Options {
+struct InfoFlags {
   std::string study;
+  std::optional<std::int64_t> run;  // empty: all
   bool json = false;
 };
 
@@ -292,14 +294,17 @@ void print_text(const Json& json) {
   }
 }
 
-Result<void> info_command(const Options& options) {
+Result<void> info_command(const InfoFlags& options) {
   const Result<Study> study = Study::open(options.study, Study::Access::read);
   if (!study) {
     return tl::unexpected(study.error());
   }
-  const Result<std::vector<RunRecord>> runs = study->runs();
+  Result<std::vector<RunRecord>> runs = study->runs();
+  if (runs && options.run) {
+    runs = study->run(RunId{*options.run}).map([](RunRecord&& run) { return std::vector<RunRecord>{std::move(run)}; });
+  }
   if (!runs) {
-    return tl::unexpected(runs.error());
+    return in_context(options.study, std::move(runs).error());
   }
   const Result<Json> json = json_of(*study, *runs);
   if (!json) {
@@ -316,13 +321,15 @@ Result<void> info_command(const Options& options) {
 }  // namespace
 
 void add_info(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<InfoFlags>();
   CLI::App* command = app.add_subcommand("info", "Say what a study holds: the chain, how it was learned, its runs");
-  command->add_option("STUDY", options->study, "The study file")->required();
-  command->add_flag("--json", options->json, "Report as one JSON object");
+  add_study_argument(*command, options->study);
+  add_run_option(*command, options->run, "Only this run (default: all)");
+  add_json_flag(*command, options->json);
   command->footer(
-      "Example:\n"
-      "  coppice info uav.coppice");
+      "Examples:\n"
+      "  coppice info uav.coppice\n"
+      "  coppice info uav.coppice --run 2");
   command->callback([&invocation, options] { invocation.chosen = [options] { return info_command(*options); }; });
 }
 

@@ -9,11 +9,11 @@
 #include "coordinator/console/progress.hpp"
 
 namespace coppice {
-namespace {}  // namespace
-
 void add_learn_options(CLI::App& command, LearnOptions& options) {
-  command.add_option("--world", options.world, "The room of the thesis, a room of yours, or the windy grid")
-      ->type_name("uav|windy|FILE.room")
+  command
+      .add_option("--world", options.world,
+                  "The room of the thesis, a room with a battery to charge, the windy grid, or a room of yours")
+      ->type_name("uav|battery|windy|FILE.room")
       ->capture_default_str();
   command.add_option("--algorithm", options.algorithm, "How to learn")
       ->type_name("q-learning|sarsa")
@@ -37,9 +37,9 @@ Result<LearnTask> learn_task(const LearnOptions& options, std::uint64_t seed) {
   if (!world) {
     return in_context("--world", std::move(world).error());
   }
-  const Result<Algorithm> algorithm = algorithm_named(options.algorithm);
+  const Result<Algorithm> algorithm = value_named<Algorithm>("algorithm", options.algorithm);
   if (!algorithm) {
-    return tl::unexpected(algorithm.error());
+    return in_context("--algorithm", algorithm.error());
   }
   LearnSettings settings = default_settings(world->kind, *algorithm);
   settings.algorithm = *algorithm;
@@ -50,9 +50,9 @@ Result<LearnTask> learn_task(const LearnOptions& options, std::uint64_t seed) {
   settings.gamma = options.gamma.value_or(settings.gamma);
   settings.epsilon = options.epsilon.value_or(settings.epsilon);
   if (options.decay) {
-    const Result<Decay> decay = decay_named(*options.decay);
+    const Result<Decay> decay = value_named<Decay>("decay", *options.decay);
     if (!decay) {
-      return tl::unexpected(decay.error());
+      return in_context("--decay", decay.error());
     }
     settings.decay = *decay;
   }
@@ -63,11 +63,12 @@ Result<LearnTask> learn_task(const LearnOptions& options, std::uint64_t seed) {
   return LearnTask{options.world, std::move(*world), settings};
 }
 
-Result<LearnReport> learn_shown(const LearnTask& task, const std::string& path, const StopFlag& stop) {
+Result<LearnReport> learn_shown(const LearnTask& task, const std::string& path, const StopFlag& stop,
+                                const LearnCheckpoint& resumed) {
   const std::uint64_t episodes = task.settings.episodes + task.settings.greedy_episodes;
   Progress progress(stderr, progress_settings_for(stderr), "learn", "episodes", episodes);
-  Result<LearnReport> report =
-      learn_study(task, path, stop, [&](std::uint64_t episodes_done) { progress.update(episodes_done); });
+  Result<LearnReport> report = learn_study(
+      task, path, stop, [&](std::uint64_t episodes_done) { progress.update(episodes_done); }, resumed);
   if (report) {
     progress.finish(episodes, report->summary);
   }

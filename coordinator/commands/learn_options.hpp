@@ -35,6 +35,7 @@ void add_learn_options(CLI::App& command, LearnOptions& options);
 Result<LearnTask> learn_task(const LearnOptions& options, std::uint64_t seed);
 
 // learn_study() with its progress on standard error.
-Result<LearnReport> learn_shown(const LearnTask& task, const std::string& path, const StopFlag& stop);
+Result<LearnReport> learn_shown(const LearnTask& task, const std::string& path, const StopFlag& stop,
+                                const LearnCheckpoint& resumed = {});
 
 }  // namespace coppice

@@ -9,6 +9,7 @@
 #include "common/tree/state_columns.hpp"
 #include "common/tree/text.hpp"
 #include "coordinator/commands/commands.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/commands/study_tree.hpp"
 #include "coordinator/console/counted.hpp"
 #include "coordinator/console/json_line.hpp"
@@ -16,14 +17,14 @@
 namespace coppice {
 namespace {
 
-struct Options {
+struct PruneFlags {
   StudyTreeOption tree;
   bool sound = false;
   bool guarded = false;
   bool json = false;
 };
 
-Result<void> prune_command(const Options& options) {
+Result<void> prune_command(const PruneFlags& options) {
   const Result<StudyTree> given = open_study_tree(options.tree);
   if (!given) {
     return tl::unexpected(given.error());
@@ -76,7 +77,7 @@ Result<void> prune_command(const Options& options) {
 }  // namespace
 
 void add_prune(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<PruneFlags>();
   CLI::App* command = app.add_subcommand("prune", "Remove what changes no action, and say why for every node");
   add_study_tree(*command, options->tree);
   command->add_flag("--sound", options->sound,
@@ -84,7 +85,7 @@ void add_prune(CLI::App& app, Invocation& invocation) {
   command->add_flag("--guarded", options->guarded,
                     "Also the pruned tree in guarded form: every sequence asks before it acts, as a robot that acts at "
                     "once needs it; the same action in every state");
-  command->add_flag("--json", options->json, "Report as one JSON object");
+  add_json_flag(*command, options->json);
   command->footer(
       "Each line is a removal: how many nodes, what went, and why. The last line is the pruned tree (--guarded: its\n"
       "guarded form).\n"

@@ -12,6 +12,7 @@
 #include "coordinator/commands/evolve_options.hpp"
 #include "coordinator/commands/evolve_progress.hpp"
 #include "coordinator/commands/learn_options.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/commands/simulate_option.hpp"
 #include "coordinator/commands/study_tree.hpp"
 #include "coordinator/commands/whole_number.hpp"
@@ -26,7 +27,7 @@
 namespace coppice {
 namespace {
 
-struct Options {
+struct RefineFlags {
   StudyTreeOption tree;
   std::string folder;
   EvolveOptions evolution;
@@ -61,7 +62,7 @@ class Shown {
   std::optional<Progress> progress_;
 };
 
-Result<void> refine_command(const Options& options, const StopFlag& stop) {
+Result<void> refine_command(const RefineFlags& options, const StopFlag& stop) {
   const Result<EvaluatorChoice> evaluator = evaluator_choice(options.evaluator);
   if (!evaluator) {
     return tl::unexpected(evaluator.error());
@@ -149,7 +150,7 @@ Result<void> refine_command(const Options& options, const StopFlag& stop) {
 }  // namespace
 
 void add_refine(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<RefineFlags>();
   CLI::App* command = app.add_subcommand(
       "refine", "Walk the best tree in the simulator, count what it meets into the chain, evolve on, and again");
   add_study_tree(*command, options->tree);
@@ -174,11 +175,9 @@ void add_refine(CLI::App& app, Invocation& invocation) {
       ->capture_default_str();
   add_evaluator_option(*command, options->evaluator);
   add_evolve_options(*command, options->evolution);
-  command
-      ->add_option("--seed", options->seed,
-                   "Of the walks; round r evolves with r more (default: seed of --config, or of the run)")
-      ->check(whole_number());
-  command->add_flag("--json", options->json, "Report as one JSON object");
+  add_seed_option(*command, options->seed,
+                  "Seed of the walks; round r evolves with r more (default: seed of --config, or of the run)");
+  add_json_flag(*command, options->json);
   command->footer(
       "Every round's study, round-1.coppice and so on, is as good as any: score it, verify it, evolve it further.\n"
       "Evolution is set up as the refined run was (the last one with --tree), or by --config. It begins with the tree\n"

@@ -5,18 +5,19 @@
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/output_option.hpp"
 #include "coordinator/commands/page_options.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/console/json_line.hpp"
 
 namespace coppice {
 namespace {
 
-struct Options {
+struct ReportFlags {
   PageOptions page;
   OutputOption output;
   bool json = false;
 };
 
-Result<void> report_command(const Options& options, const StopFlag& stop) {
+Result<void> report_command(const ReportFlags& options, const StopFlag& stop) {
   const Result<StudyTree> given = open_study_tree(options.page.tree);
   if (!given) {
     return tl::unexpected(given.error());
@@ -46,13 +47,13 @@ Result<void> report_command(const Options& options, const StopFlag& stop) {
 }  // namespace
 
 void add_report(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReportFlags>();
   CLI::App* command =
       app.add_subcommand("report", "One page that shows a tree, what it is worth and what it gets wrong");
   add_page_options(*command, options->page);
   CLI::Option* output = add_output_option(*command, options->output, "The page to write", "FILE.html");
   CLI::Option* json =
-      command->add_flag("--json", options->json, "Print the page's data as one JSON object instead")->excludes(output);
+      add_json_flag(*command, options->json, "Print the page's data as one JSON object instead")->excludes(output);
   command->callback([&invocation, options, output, json] {
     if (output->count() == 0 && json->count() == 0) {
       throw CLI::RequiredError("-o FILE.html or --json");

@@ -10,6 +10,7 @@
 
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/evaluator_option.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/console/json_line.hpp"
 #include "coordinator/console/progress.hpp"
@@ -19,7 +20,7 @@
 namespace coppice {
 namespace {
 
-struct Options {
+struct ReproduceFlags {
   std::string what;
   std::string folder;
   std::optional<std::size_t> workers;
@@ -41,7 +42,7 @@ Result<void> write_tables(const std::filesystem::path& folder, const std::vector
   return write_whole_file(folder / "tables.json", json_line(json) + "\n");
 }
 
-Result<void> reproduce_command(const Options& options, const StopFlag& stop) {
+Result<void> reproduce_command(const ReproduceFlags& options, const StopFlag& stop) {
   if (const Result<void> checked = check_settings(options.settings); !checked) {
     return checked;
   }
@@ -107,7 +108,7 @@ Result<void> reproduce_command(const Options& options, const StopFlag& stop) {
 }  // namespace
 
 void add_reproduce(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReproduceFlags>();
   CLI::App* command =
       app.add_subcommand("reproduce", "Run the thesis' experiments again: each table beside the printed one");
   command->add_option("WHAT", options->what, "thesis")->required()->check(CLI::IsMember({"thesis"}));
@@ -128,13 +129,11 @@ void add_reproduce(CLI::App& app, Invocation& invocation) {
   command->add_option("--episodes", options->settings.episodes, "Episodes to learn from in the room")
       ->check(whole_number())
       ->capture_default_str();
-  command->add_option("--seed", options->settings.learning_seed, "Of learning in the room")
-      ->check(whole_number())
-      ->capture_default_str();
+  add_seed_option(*command, options->settings.learning_seed, "Seed of learning in the room");
   command->add_option("--score-episodes", options->settings.score_episodes, "Episodes in the simulator")
       ->check(whole_number())
       ->capture_default_str();
-  command->add_flag("--json", options->json, "Report as one JSON object");
+  add_json_flag(*command, options->json);
   command->footer(
       "Makes uav.coppice and windy.coppice with every run, tables.txt and tables.json; never overwrites.\n"
       "Examples:\n"

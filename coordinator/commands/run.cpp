@@ -13,6 +13,7 @@
 #include "coordinator/commands/evolve_progress.hpp"
 #include "coordinator/commands/learn_options.hpp"
 #include "coordinator/commands/page_options.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/console/json_line.hpp"
 #include "coordinator/console/whole_file.hpp"
@@ -27,7 +28,7 @@ namespace {
 
 constexpr std::uint64_t kDefaultSeed = 1;
 
-struct Options {
+struct RunFlags {
   std::string folder;  // empty: named by the time
   LearnOptions learning;
   EvolveOptions evolution;
@@ -107,7 +108,7 @@ Result<void> score_and_draw(const LearnTask& learning, const Study& study, const
   return {};
 }
 
-Result<void> run_command(const Options& options, const StopFlag& stop) {
+Result<void> run_command(const RunFlags& options, const StopFlag& stop) {
   // Everything that can be wrong with the flags is found before the folder exists.
   const Result<LearnTask> learning = learn_task(options.learning, options.seed.value_or(kDefaultSeed));
   if (!learning) {
@@ -178,7 +179,7 @@ Result<void> run_command(const Options& options, const StopFlag& stop) {
 }  // namespace
 
 void add_run(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<RunFlags>();
   CLI::App* command =
       app.add_subcommand("run", "From nothing to a drawn tree: learn, evolve, score and draw, into a new folder");
   command->add_option("-o,--output", options->folder, "The folder to make (default: coppice-run-<UTC time>)")
@@ -186,12 +187,11 @@ void add_run(CLI::App& app, Invocation& invocation) {
   add_learn_options(*command, options->learning);
   add_evaluator_option(*command, options->evaluator);
   add_evolve_options(*command, options->evolution);
-  command->add_option("--seed", options->seed, "Of learning, evolution and simulator (default: 1)")
-      ->check(whole_number());
+  add_seed_option(*command, options->seed, "Seed of learning, evolution and simulator (default: 1)");
   command->add_option("--score-episodes", options->score_episodes, "Episodes in the simulator for Table IV")
       ->check(whole_number())
       ->capture_default_str();
-  command->add_flag("--json", options->json, "Report as one JSON object");
+  add_json_flag(*command, options->json);
   command->footer(
       "Writes study.coppice, report.html, evolved.svg, pruned.svg (and .dot), table-iv.txt and table-iv.json; never\n"
       "overwrites.\n"

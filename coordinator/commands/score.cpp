@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "coordinator/commands/commands.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/commands/simulate_option.hpp"
 #include "coordinator/commands/study_tree.hpp"
 #include "coordinator/commands/whole_number.hpp"
@@ -14,7 +15,7 @@
 namespace coppice {
 namespace {
 
-struct Options {
+struct ScoreFlags {
   StudyTreeOption tree;
   SimulateOption simulate;
   std::uint64_t seen = kSeenVisits;
@@ -22,7 +23,7 @@ struct Options {
   bool json = false;
 };
 
-Result<void> score_command(const Options& options, const StopFlag& stop) {
+Result<void> score_command(const ScoreFlags& options, const StopFlag& stop) {
   const Result<StudyTree> given = open_study_tree(options.tree);
   if (!given) {
     return tl::unexpected(given.error());
@@ -56,7 +57,7 @@ Result<void> score_command(const Options& options, const StopFlag& stop) {
 }  // namespace
 
 void add_score(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ScoreFlags>();
   CLI::App* command = app.add_subcommand("score", "Compare a tree with the learned policy: Table IV of the thesis");
   add_study_tree(*command, options->tree);
   add_simulate_option(*command, options->simulate);
@@ -66,7 +67,7 @@ void add_score(CLI::App& app, Invocation& invocation) {
       ->capture_default_str();
   command->add_flag("--exact", options->exact,
                     "Also what is expected along the chain, computed: agreement and reward over --steps steps");
-  command->add_flag("--json", options->json, "Report as one JSON object");
+  add_json_flag(*command, options->json);
   command->footer(
       "Examples:\n"
       "  coppice score uav.coppice\n"

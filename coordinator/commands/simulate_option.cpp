@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/runs/learn_study.hpp"
 
@@ -10,7 +11,7 @@ namespace coppice {
 void add_simulate_option(CLI::App& command, SimulateOption& option, const SimulateHelp& help) {
   command.add_option("--episodes", option.episodes, help.episodes)->check(whole_number())->capture_default_str();
   command.add_option("--steps", option.steps, "Steps per episode (default: as in learning)")->check(whole_number());
-  command.add_option("--seed", option.seed, help.seed)->check(whole_number())->capture_default_str();
+  add_seed_option(command, option.seed, help.seed);
   add_simulator(command, option.simulator);
 }
 

@@ -23,7 +23,7 @@ struct SimulateOption {
 
 struct SimulateHelp {
   const char* episodes = "Episodes in the simulator; 500 or more for narrow intervals";
-  const char* seed = "Of the simulator";
+  const char* seed = "Seed of the simulator";
 };
 void add_simulate_option(CLI::App& command, SimulateOption& option, const SimulateHelp& help = {});
 

@@ -16,7 +16,7 @@
 namespace coppice {
 namespace {
 
-struct Options {
+struct StudioFlags {
   PageOptions page;
   EvaluatorOption evaluator;
   std::uint16_t port = 0;
@@ -35,7 +35,7 @@ void wait_for(const StopFlag& stop) {
   raised.wait(lock, [&] { return over; });
 }
 
-Result<void> studio_command(const Options& options, const StopFlag& stop) {
+Result<void> studio_command(const StudioFlags& options, const StopFlag& stop) {
   const Result<StudyTree> given = open_study_tree(options.page.tree);
   if (!given) {
     return tl::unexpected(given.error());
@@ -85,12 +85,12 @@ Result<void> studio_command(const Options& options, const StopFlag& stop) {
 }  // namespace
 
 void add_studio(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<StudioFlags>();
   CLI::App* command =
       app.add_subcommand("studio", "Shape a tree by hand in a browser, with its scores, rules and the world beside");
   add_page_options(*command, options->page);
   add_evaluator_option(*command, options->evaluator);
-  command->add_option("--port", options->port, "Of 127.0.0.1 (default: any that is free)")->type_name("N");
+  command->add_option("--port", options->port, "Port on 127.0.0.1 (default: any that is free)")->type_name("N");
   command->footer(
       "Prints its address, which holds a token, as its first line; only this machine can reach it.\n"
       "Trees are kept in the study when you say so. From another machine: ssh -L 8123:127.0.0.1:8123, with --port "

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <vector>
 
-#include "coordinator/commands/whole_number.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/console/printable.hpp"
 #include "coordinator/problem/legend.hpp"
 #include "coordinator/runs/tree_of_study.hpp"
@@ -12,15 +12,12 @@
 namespace coppice {
 
 void add_study_tree(CLI::App& command, StudyTreeOption& option) {
-  command.add_option("STUDY", option.study, "The study file")->required();
+  add_study_argument(command, option.study);
   CLI::Option* tree = command.add_option("--tree", option.tree,
                                          "The tree: its text form, or a file that holds one, also as JSON or XML "
                                          "of BehaviorTree.CPP (default: the best tree of the last finished run)");
   tree->type_name("TEXT|FILE");
-  command.add_option("--run", option.run, "The best tree of this run instead")
-      ->type_name("N")
-      ->check(whole_number())
-      ->excludes(tree);
+  add_run_option(command, option.run, "The best tree of this run instead")->excludes(tree);
 }
 
 Result<Tree> study_tree(const StudyTreeOption& option, const Study& study) {

@@ -10,6 +10,7 @@
 
 #include "coordinator/commands/commands.hpp"
 #include "coordinator/commands/evaluator_option.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/console/counted.hpp"
 #include "coordinator/console/progress.hpp"
@@ -23,7 +24,7 @@ namespace {
 constexpr std::size_t kMostAtOnce = 256;
 constexpr std::size_t kAtOnceOverWorkers = 128;  // one for each evaluating thread of the workers at least
 
-struct Options {
+struct SweepFlags {
   std::string study;
   std::string config;
   std::string folder;
@@ -61,7 +62,7 @@ class SweepLine {
   std::optional<Progress> progress_;
 };
 
-Result<void> sweep_command(const Options& options, const StopFlag& stop) {
+Result<void> sweep_command(const SweepFlags& options, const StopFlag& stop) {
   const Result<EvaluatorChoice> choice = evaluator_choice(options.evaluator);
   if (!choice) {
     return tl::unexpected(choice.error());
@@ -116,9 +117,9 @@ Result<void> sweep_command(const Options& options, const StopFlag& stop) {
 }  // namespace
 
 void add_sweep(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SweepFlags>();
   CLI::App* command = app.add_subcommand("sweep", "Study parameters: many runs on one set of workers at once");
-  command->add_option("STUDY", options->study, "The study file; it is only read")->required();
+  add_study_argument(*command, options->study, "The study file; it is only read");
   command->add_option("--config", options->config, "Which settings, with which seeds (see below)")
       ->type_name("FILE.toml")
       ->required();
@@ -134,7 +135,7 @@ void add_sweep(CLI::App& app, Invocation& invocation) {
       ->type_name("N")
       ->check(whole_number(1, kMostAtOnce));
   command->add_flag("--resume", options->resume, "Go on in a folder that exists: runs that have ended are kept");
-  command->add_flag("--json", options->json, "Report as one JSON object");
+  add_json_flag(*command, options->json);
   command->footer(
       "FILE.toml:\n"
       "  seeds = 10                     # runs of each setting; or a list of seeds\n"

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "coordinator/commands/commands.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/commands/whole_number.hpp"
 #include "coordinator/console/json_line.hpp"
 #include "coordinator/learning/synthetic_chain.hpp"
@@ -13,13 +14,13 @@
 namespace coppice {
 namespace {
 
-struct Options {
+struct SynthFlags {
   std::string study;
   SyntheticShape shape;
   bool json = false;
 };
 
-Result<void> synth_command(const Options& options) {
+Result<void> synth_command(const SynthFlags& options) {
   if (const Result<void> checked = Study::check_new(options.study); !checked) {
     return checked;
   }
@@ -52,7 +53,7 @@ Result<void> synth_command(const Options& options) {
 }  // namespace
 
 void add_synth(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SynthFlags>();
   CLI::App* command = app.add_subcommand("synth", "Start a study with a made-up chain of any size, to try Coppice on");
   command->add_option("-o,--output", options->study, "The study file to make; must not exist")
       ->type_name("STUDY")
@@ -65,8 +66,8 @@ void add_synth(CLI::App& app, Invocation& invocation) {
       ->check(whole_number(1, kMost))
       ->capture_default_str();
   command->add_option("--features", shape.features, "Features")->check(whole_number(1, kMost))->capture_default_str();
-  command->add_option("--seed", shape.seed, "Same seed, same chain")->check(whole_number())->capture_default_str();
-  command->add_flag("--json", options->json, "Report as one JSON object");
+  add_seed_option(*command, shape.seed, "Same seed, same chain");
+  add_json_flag(*command, options->json);
   command->footer(
       "There is no world behind such a chain: 'coppice score' has nothing to simulate.\n"
       "Example:\n"

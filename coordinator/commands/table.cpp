@@ -12,12 +12,12 @@
 namespace coppice {
 namespace {
 
-struct Options {
+struct TableFlags {
   StudyTreeOption tree;
   OutputOption output;
 };
 
-Result<void> table_command(const Options& options) {
+Result<void> table_command(const TableFlags& options) {
   const auto& [path, force] = options.output;
   if (const Result<void> checked = check_output("-o", path, force, options.tree.study); !checked) {
     return checked;
@@ -37,7 +37,7 @@ Result<void> table_command(const Options& options) {
 }  // namespace
 
 void add_table(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<TableFlags>();
   CLI::App* command =
       app.add_subcommand("table", "Print CSV, a row a state: features, visits, the policy's action, the tree's action");
   add_study_tree(*command, options->tree);

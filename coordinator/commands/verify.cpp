@@ -6,6 +6,7 @@
 #include "common/chain/exact.hpp"
 #include "common/tree/text.hpp"
 #include "coordinator/commands/commands.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/commands/simulate_option.hpp"
 #include "coordinator/commands/study_tree.hpp"
 #include "coordinator/commands/whole_number.hpp"
@@ -19,7 +20,7 @@
 namespace coppice {
 namespace {
 
-struct Options {
+struct VerifyFlags {
   StudyTreeOption tree;
   std::vector<std::string> rules;
   std::string rule_file;
@@ -30,7 +31,7 @@ struct Options {
   bool json = false;
 };
 
-Result<std::vector<Rule>> rules_of(const Options& options, const Vocabulary& vocabulary) {
+Result<std::vector<Rule>> rules_of(const VerifyFlags& options, const Vocabulary& vocabulary) {
   std::vector<Rule> rules;
   for (const std::string& text : options.rules) {
     Result<Rule> rule = parse_rule(text, vocabulary);
@@ -49,7 +50,7 @@ Result<std::vector<Rule>> rules_of(const Options& options, const Vocabulary& voc
   return rules;
 }
 
-Result<std::vector<Event>> events_of(const Options& options, const Study& study) {
+Result<std::vector<Event>> events_of(const VerifyFlags& options, const Study& study) {
   if (options.events.empty()) {
     return events_of_world(study.world().kind);
   }
@@ -64,7 +65,7 @@ Result<std::vector<Event>> events_of(const Options& options, const Study& study)
   return events;
 }
 
-Result<void> verify_command(const Options& options, const StopFlag& stop) {
+Result<void> verify_command(const VerifyFlags& options, const StopFlag& stop) {
   const Result<StudyTree> given = open_study_tree(options.tree);
   if (!given) {
     return tl::unexpected(given.error());
@@ -146,7 +147,7 @@ Result<void> verify_command(const Options& options, const StopFlag& stop) {
 }  // namespace
 
 void add_verify(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<VerifyFlags>();
   CLI::App* command =
       app.add_subcommand("verify", "What a tree promises: exact figures with intervals, and rules proved");
   add_study_tree(*command, options->tree);
@@ -172,7 +173,7 @@ void add_verify(CLI::App& app, Invocation& invocation) {
   add_simulate_option(
       *command, options->simulate,
       {.episodes = "Episodes in the simulator, shown beside; 0: none", .seed = "Of the draws and the simulator"});
-  command->add_flag("--json", options->json, "Report as one JSON object");
+  add_json_flag(*command, options->json);
   command->footer(
       "A rule is 'never ACTION when CONDITION' or 'always ACTION when CONDITION'; 'or' joins actions, 'and' and\n"
       "'or' join tests (s3=0, s3!=0, x<=4), 'none' is no action. Ends with 1 when a rule is broken.\n"

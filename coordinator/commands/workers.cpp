@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "coordinator/commands/commands.hpp"
-#include "coordinator/commands/whole_number.hpp"
+#include "coordinator/commands/shared_flags.hpp"
 #include "coordinator/console/counted.hpp"
 #include "coordinator/console/json_line.hpp"
 #include "coordinator/console/printable.hpp"
@@ -21,12 +21,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint32_t kHighestDomain = 230;  // of DDS; above it the ports of RTPS run out
 constexpr std::uint32_t kHighestPort = 65535;
 constexpr std::chrono::milliseconds kRefresh{1000};
 constexpr std::chrono::milliseconds kStopLook{20};
 
-struct Options {
+struct WorkersFlags {
   WorkerListOptions list;
   std::string security;
   bool watch = false;
@@ -83,12 +82,7 @@ std::string text_of(const WorkerList& list, std::uint32_t domain) {
   return text;
 }
 
-void print_now(const std::string& text) {
-  fmt::print("{}", text);
-  static_cast<void>(std::fflush(stdout));  // main() looks at the last one
-}
-
-Result<void> workers_command(const Options& options, const StopFlag& stop) {
+Result<void> workers_command(const WorkersFlags& options, const StopFlag& stop) {
   const bool redraw = options.watch && !options.json && isatty(STDOUT_FILENO) != 0;
   while (!stop.raised()) {
     const auto list = list_workers(options.list, stop);
@@ -116,7 +110,7 @@ Result<void> workers_command(const Options& options, const StopFlag& stop) {
 }  // namespace
 
 void add_workers(CLI::App& app, Invocation& invocation) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<WorkersFlags>();
   CLI::App* command = app.add_subcommand("workers", "List the workers of a domain and what they do");
   command->add_option("--domain", options->list.domain, "DDS domain")
       ->type_name("D")
@@ -142,8 +136,8 @@ void add_workers(CLI::App& app, Invocation& invocation) {
           "that the system chooses)")
       ->type_name("PORT")
       ->check(CLI::Range(1U, kHighestPort));
-  command->add_flag("--watch", options->watch, "Again every second, until Ctrl-C");
-  command->add_flag("--json", options->json, "One JSON object a list");
+  command->add_flag("--watch", options->watch, "List again every second, until Ctrl-C");
+  add_json_flag(*command, options->json, "One JSON object a list");
   command->footer(
       "Where there is no coordinator it listens for 1.5 s in its place; a coordinator that starts meanwhile waits.\n"
       "Examples:\n"

@@ -10,7 +10,6 @@
 namespace coppice {
 namespace {
 
-constexpr std::array<std::string_view, 5> kNames{"drn", "prism", "tables", "csv", "jsonl"};
 constexpr std::size_t kLooked = 65536;  // bytes
 
 std::string_view first_line_of(std::string_view text) { return trimmed(text.substr(0, text.find('\n'))); }
@@ -60,16 +59,6 @@ bool ends_within(std::string_view line) {
 }
 
 }  // namespace
-
-std::string_view name_of(SourceFormat format) { return kNames.at(static_cast<std::size_t>(format)); }
-
-Result<SourceFormat> format_named(std::string_view name) {
-  const auto* found = std::find(kNames.begin(), kNames.end(), name);
-  if (found == kNames.end()) {
-    return bad_input(fmt::format("--format is '{}': expected {}", name, fmt::join(kNames, ", ")));
-  }
-  return static_cast<SourceFormat>(found - kNames.begin());
-}
 
 Result<SourceFormat> format_of(const std::string& path) {
   auto bytes = first_bytes(path, kLooked);

@@ -1,12 +1,14 @@
 // Which format a file has, told from its content.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "common/error.hpp"
+#include "common/named.hpp"
 
 namespace coppice {
 
@@ -18,9 +20,8 @@ enum class SourceFormat : std::uint8_t {
   json_log = 4  // the same as JSON lines
 };
 
-std::string_view name_of(SourceFormat format);
-// "drn", "prism", "tables", "csv", "jsonl". Error lists them.
-Result<SourceFormat> format_named(std::string_view name);
+template <>
+inline constexpr std::array kNames<SourceFormat> = names("drn", "prism", "tables", "csv", "jsonl");
 
 // Errors: the file cannot be read; none of the formats, saying what each begins with.
 Result<SourceFormat> format_of(const std::string& path);

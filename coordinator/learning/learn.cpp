@@ -5,14 +5,11 @@
 
 #include "coordinator/learning/learning_loop.hpp"
 #include "coordinator/learning/room_map.hpp"
-#include "coordinator/learning/uav_room.hpp"
-#include "coordinator/learning/windy_grid.hpp"
+#include "coordinator/learning/simulators.hpp"
 
 namespace coppice {
 namespace {
 
-constexpr std::array kAlgorithms{Algorithm::q_learning, Algorithm::sarsa};
-constexpr std::array kDecays{Decay::thesis, Decay::printed, Decay::linear};
 constexpr std::uint64_t kMaxSteps = 0xFFFFFFFF;  // in all: no count of a chain can reach 2^32
 
 Result<void> check_share(const char* flag, double value, bool zero_allowed) {
@@ -23,47 +20,23 @@ Result<void> check_share(const char* flag, double value, bool zero_allowed) {
       fmt::format("{} is {}: expected {} 0 and at most 1", flag, value, zero_allowed ? "at least" : "above"));
 }
 
-template <typename Simulator>
-Result<Learned> learn_in(Simulator simulator, const LearnSettings& settings, const LearnProgress& progress) {
-  if (settings.algorithm == Algorithm::sarsa) {
-    return LearningLoop<Simulator, Algorithm::sarsa>(std::move(simulator), settings).run(progress);
+template <Algorithm kAlgorithm, typename Simulator>
+Result<Learned> learn_by(const Simulator& simulator, const LearnSettings& settings, const LearnProgress& progress,
+                         LearnCheckpoint* checkpoint) {
+  LearningLoop<Simulator, kAlgorithm> loop(simulator, settings);
+  if (checkpoint != nullptr && !checkpoint->state.empty()) {
+    if (auto ok = loop.restore(*checkpoint); !ok) {
+      return tl::unexpected(ok.error());
+    }
   }
-  return LearningLoop<Simulator, Algorithm::q_learning>(std::move(simulator), settings).run(progress);
+  Result<Learned> learned = loop.run(progress);
+  if (!learned && learned.error().kind == ErrorKind::interrupted && checkpoint != nullptr) {
+    *checkpoint = loop.save();
+  }
+  return learned;
 }
 
 }  // namespace
-
-std::string_view name_of(Algorithm algorithm) { return algorithm == Algorithm::sarsa ? "sarsa" : "q-learning"; }
-
-std::string_view name_of(Decay decay) {
-  switch (decay) {
-    case Decay::printed:
-      return "printed";
-    case Decay::linear:
-      return "linear";
-    case Decay::thesis:
-      break;
-  }
-  return "thesis";
-}
-
-Result<Algorithm> algorithm_named(std::string_view name) {
-  for (const Algorithm algorithm : kAlgorithms) {
-    if (name == name_of(algorithm)) {
-      return algorithm;
-    }
-  }
-  return bad_input(fmt::format("--algorithm is '{}': expected q-learning or sarsa", name));
-}
-
-Result<Decay> decay_named(std::string_view name) {
-  for (const Decay decay : kDecays) {
-    if (name == name_of(decay)) {
-      return decay;
-    }
-  }
-  return bad_input(fmt::format("--decay is '{}': expected thesis, printed or linear", name));
-}
 
 LearnSettings default_settings(WorldKind kind, Algorithm algorithm) {
   LearnSettings settings;
@@ -74,6 +47,11 @@ LearnSettings default_settings(WorldKind kind, Algorithm algorithm) {
     settings.alpha = 0.3;
     settings.gamma = algorithm == Algorithm::sarsa ? 0.9 : 0.8;
     settings.decay = Decay::linear;
+  }
+  if (kind == WorldKind::battery) {
+    settings.steps = 300;
+    settings.alpha = 0.1;
+    settings.gamma = 0.95;
   }
   return settings;
 }
@@ -120,18 +98,19 @@ double exploration(const LearnSettings& settings, std::uint64_t episode) {
   return settings.epsilon * (nd + 1.0) / (nd + e);
 }
 
-Result<Learned> learn(const World& world, const LearnSettings& settings, const LearnProgress& progress) {
+Result<Learned> learn(const World& world, const LearnSettings& settings, const LearnProgress& progress,
+                      LearnCheckpoint* checkpoint) {
   if (auto ok = check_settings(settings); !ok) {
     return tl::unexpected(ok.error());
   }
-  if (world.kind == WorldKind::windy) {
-    return learn_in(WindyGrid(), settings, progress);
+  if (const auto checked = make_world(std::string(name_of(world.kind)), world.room); !checked) {
+    return in_context("room", checked.error());
   }
-  const auto map = parse_room(world.room);
-  if (!map) {
-    return in_context("room", map.error());
-  }
-  return learn_in(UavRoom(*map), settings, progress);
+  return with_simulator(world, [&](const auto& simulator) {
+    return settings.algorithm == Algorithm::sarsa
+               ? learn_by<Algorithm::sarsa>(simulator, settings, progress, checkpoint)
+               : learn_by<Algorithm::q_learning>(simulator, settings, progress, checkpoint);
+  });
 }
 
 }  // namespace coppice

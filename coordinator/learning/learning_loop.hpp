@@ -1,9 +1,10 @@
 // The learning loop: one agent, one simulator, one pass that learns Q and counts the chain (thesis Algorithm 2).
 // Templated on the simulator and the algorithm so that a step is straight-line code; learn.cpp is the only one to
-// instantiate it. State indices are given in the order of first visit, so the world's initial state is state 0.
+// instantiate it. State indices are given in the order of first visit, so the first start of the first episode is
+// state 0.
 //
-// A step that ends an episode is worth its reward alone. In the chain it leads to state 0, where the next episode
-// starts: the walk renews itself, and the goal, in which nobody acts, is not a state.
+// A step that ends an episode is worth its reward alone. In the chain it leads to where the next episode starts: the
+// walk renews itself, and the goal, in which nobody acts, is not a state.
 //
 // Owns the Q-table and the counts; one thread.
 #pragma once
@@ -14,18 +15,22 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <fmt/format.h>
 #include <limits>
+#include <map>
 #include <span>
 #include <vector>
 
+#include "common/chain/bytes.hpp"
 #include "common/chain/chain_builder.hpp"
 #include "common/chain/random.hpp"
 #include "coordinator/learning/learn.hpp"
 #include "coordinator/learning/outcome.hpp"
+#include "coordinator/learning/simulators.hpp"
 
 namespace coppice {
 
-// Simulator: kActions, kCodes, vocabulary(), features_of(code, features), reset(), code(), step(action, random).
+// Simulator: see simulators.hpp. One with kCollisionsAreCounted has them counted in the chain, pair by pair.
 template <typename Simulator, Algorithm kAlgorithm>
 class LearningLoop {
  public:
@@ -37,10 +42,20 @@ class LearningLoop {
         counts_(Simulator::kActions),
         state_of_code_(Simulator::kCodes, kUnseen),
         greedy_of_code_(Simulator::kCodes, 0) {
-    rows_.reserve(Simulator::kCodes);
+    start_ = draw_start(simulator_.starts(), random_);
+    tally_.curve.episodes_per_point =
+        (settings_.episodes + settings_.greedy_episodes + kCurvePoints - 1) / kCurvePoints;
   }
 
+  // That many episodes more, at most to the last.
+  void advance(std::uint64_t episodes);
+
+  // To the last episode. Error: interrupted; then save() says where.
   Result<Learned> run(const LearnProgress& progress);
+
+  LearnCheckpoint save() const;
+  // Error (bad_input): not a state of this loop. REQUIRES: nothing was learned yet.
+  Result<void> restore(const LearnCheckpoint& checkpoint);
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -57,6 +72,26 @@ class LearningLoop {
     std::array<double, kWidth> reward_sum{};
   };
 
+  static constexpr bool kCountsCollisions = requires { Simulator::kCollisionsAreCounted; };
+  static constexpr std::size_t kCollisionWidth = kCountsCollisions ? Simulator::kActions : 0;  // of a state
+
+  // What is known of all episodes so far. Copied byte by byte into a checkpoint, but for the curve.
+  struct Sums {
+    std::uint64_t episodes = 0;
+    std::uint64_t steps = 0;
+    std::uint64_t collisions = 0;
+    std::uint64_t last_collision_episode = 0;
+    std::uint64_t last_change_episode = 0;
+    std::uint64_t point_collisions = 0;  // since the curve's last point, as point_reward
+    double reward = 0.0;                 // of the last kRewardEpisodes
+    double largest_change = 0.0;
+    double point_reward = 0.0;
+  };
+  struct Tally {
+    Sums sums = {};
+    LearningCurve curve = {};
+  };
+
   struct Episode {
     double reward = 0.0;
     double largest_change = 0.0;
@@ -65,7 +100,9 @@ class LearningLoop {
   };
 
   Episode run_episode(std::uint64_t explore_below);
+  void add(const Episode& episode);
   Result<Chain> make_chain() const;
+  void set_starts(ChainParts& parts) const;
 
   std::uint32_t state_of(std::uint32_t code) {
     const std::uint32_t state = state_of_code_[code];
@@ -77,6 +114,7 @@ class LearningLoop {
     state_of_code_[code] = state;
     code_of_state_.push_back(code);
     rows_.emplace_back();
+    collisions_.resize(rows_.size() * kCollisionWidth, 0);
     return state;
   }
 
@@ -126,6 +164,11 @@ class LearningLoop {
   std::vector<std::uint8_t> greedy_of_code_;  // [codes] the greedy action
   std::vector<std::uint32_t> code_of_state_;  // [states]
   std::vector<Row> rows_;                     // [states]
+  std::vector<std::uint32_t> collisions_;     // [states x kCollisionWidth]
+  std::uint32_t start_ = 0;                   // of the next episode
+  // With several starts: how many episodes started in a state. Starts may look alike.
+  std::map<std::uint32_t, std::uint32_t> started_;
+  Tally tally_;
 };
 
 template <typename Simulator, Algorithm kAlgorithm>
@@ -140,13 +183,21 @@ auto LearningLoop<Simulator, kAlgorithm>::run_episode(std::uint64_t explore_belo
   double largest_change = 0.0;
   std::uint64_t collisions = 0;
   std::uint32_t step = 0;
-  simulator_.reset();
+  bool ended = false;
+  simulator_.reset(start_);
   std::uint32_t code = simulator_.code();
   std::uint32_t state = state_of(code);
+  if (simulator_.starts() > 1) {
+    ++started_[state];
+  }
   std::uint8_t action = choose(code, explore_below, random);
   while (step < steps) {
     const Outcome outcome = simulator_.step(action, random);
-    const std::uint32_t next_code = outcome.ended ? code_of_state_[0] : simulator_.code();
+    if (outcome.ended) {
+      start_ = draw_start(simulator_.starts(), random);
+      simulator_.reset(start_);
+    }
+    const std::uint32_t next_code = simulator_.code();
     const std::uint32_t next = state_of(next_code);
     std::uint8_t next_action = 0;
     double future = 0.0;
@@ -170,58 +221,71 @@ auto LearningLoop<Simulator, kAlgorithm>::run_episode(std::uint64_t explore_belo
     reward += outcome.reward;
     largest_change = std::max(largest_change, std::abs(after - before));
     collisions += outcome.collided ? 1 : 0;
+    if constexpr (kCountsCollisions) {
+      collisions_[state * kCollisionWidth + action] += outcome.collided ? 1 : 0;
+    }
     if (outcome.ended) {
+      ended = true;
       break;
     }
     code = next_code;
     state = next;
     action = next_action;
   }
+  if (!ended) {
+    start_ = draw_start(simulator_.starts(), random);
+  }
   random_ = random;
   return {reward, largest_change, step, collisions};
 }
 
 template <typename Simulator, Algorithm kAlgorithm>
-Result<Learned> LearningLoop<Simulator, kAlgorithm>::run(const LearnProgress& progress) {
+void LearningLoop<Simulator, kAlgorithm>::add(const Episode& episode) {
   const std::uint64_t episodes = settings_.episodes + settings_.greedy_episodes;
-  const std::uint64_t rewards_from = episodes - std::min(episodes, kRewardEpisodes) + 1;
-  const auto start = Clock::now();
-  auto reported = start;
-  std::uint64_t steps = 0;
-  std::uint64_t collisions = 0;
-  std::uint64_t last_collision_episode = 0;
-  std::uint64_t last_change_episode = 0;
-  double reward = 0.0;
-  double largest_change = 0.0;
-  LearningCurve curve{
-      .episodes_per_point = (episodes + kCurvePoints - 1) / kCurvePoints, .reward = {}, .collisions = {}};
-  double point_reward = 0.0;
-  std::uint64_t point_collisions = 0;
-  for (std::uint64_t k = 1; k <= episodes; ++k) {
-    const double epsilon = exploration(settings_, k);
+  Sums& sums = tally_.sums;
+  LearningCurve& curve = tally_.curve;
+  const std::uint64_t k = ++sums.episodes;
+  sums.steps += episode.steps;
+  sums.collisions += episode.collisions;
+  sums.last_collision_episode = episode.collisions > 0 ? k : sums.last_collision_episode;
+  sums.last_change_episode = episode.largest_change >= kConvergedChange ? k : sums.last_change_episode;
+  sums.reward += k + kRewardEpisodes > episodes ? episode.reward : 0.0;
+  sums.largest_change = episode.largest_change;
+  sums.point_reward += episode.reward;
+  sums.point_collisions += episode.collisions;
+  if (const std::uint64_t rest = k % curve.episodes_per_point; rest == 0 || k == episodes) {
+    const auto of_point = static_cast<double>(rest == 0 ? curve.episodes_per_point : rest);
+    curve.reward.push_back(sums.point_reward / of_point);
+    curve.collisions.push_back(static_cast<double>(sums.point_collisions) / of_point);
+    sums.point_reward = 0.0;
+    sums.point_collisions = 0;
+  }
+}
+
+template <typename Simulator, Algorithm kAlgorithm>
+void LearningLoop<Simulator, kAlgorithm>::advance(std::uint64_t episodes) {
+  const std::uint64_t last = std::min(tally_.sums.episodes + episodes, settings_.episodes + settings_.greedy_episodes);
+  while (tally_.sums.episodes < last) {
+    const double epsilon = exploration(settings_, tally_.sums.episodes + 1);
     const std::uint64_t explore_below =
         epsilon < 1.0 ? static_cast<std::uint64_t>(epsilon * 0x1.0p64) : std::numeric_limits<std::uint64_t>::max();
-    const Episode episode = run_episode(explore_below);
-    steps += episode.steps;
-    collisions += episode.collisions;
-    last_collision_episode = episode.collisions > 0 ? k : last_collision_episode;
-    last_change_episode = episode.largest_change >= kConvergedChange ? k : last_change_episode;
-    reward += k >= rewards_from ? episode.reward : 0.0;
-    largest_change = episode.largest_change;
-    point_reward += episode.reward;
-    point_collisions += episode.collisions;
-    if (const std::uint64_t rest = k % curve.episodes_per_point; rest == 0 || k == episodes) {
-      const auto of_point = static_cast<double>(rest == 0 ? curve.episodes_per_point : rest);
-      curve.reward.push_back(point_reward / of_point);
-      curve.collisions.push_back(static_cast<double>(point_collisions) / of_point);
-      point_reward = 0.0;
-      point_collisions = 0;
-    }
-    if (k % kEpisodesPerClockRead == 0 && progress) {
+    add(run_episode(explore_below));
+  }
+}
+
+template <typename Simulator, Algorithm kAlgorithm>
+Result<Learned> LearningLoop<Simulator, kAlgorithm>::run(const LearnProgress& progress) {
+  const std::uint64_t episodes = settings_.episodes + settings_.greedy_episodes;
+  const auto start = Clock::now();
+  auto reported = start;
+  Sums& sums = tally_.sums;
+  while (sums.episodes < episodes) {
+    advance(kEpisodesPerClockRead);
+    if (progress && sums.episodes < episodes) {
       const auto now = Clock::now();
       if (now - reported >= kProgressEvery) {
         reported = now;
-        if (!progress(k)) {
+        if (!progress(sums.episodes)) {
           return tl::unexpected(Error{ErrorKind::interrupted, "learning was stopped before its last episode"});
         }
       }
@@ -233,14 +297,26 @@ Result<Learned> LearningLoop<Simulator, kAlgorithm>::run(const LearnProgress& pr
     return tl::unexpected(chain.error());
   }
   return Learned{std::move(*chain),
-                 steps,
+                 sums.steps,
                  seconds,
-                 reward / static_cast<double>(episodes - rewards_from + 1),
-                 largest_change,
-                 collisions,
-                 last_collision_episode,
-                 last_change_episode,
-                 std::move(curve)};
+                 sums.reward / static_cast<double>(std::min(episodes, kRewardEpisodes)),
+                 sums.largest_change,
+                 sums.collisions,
+                 sums.last_collision_episode,
+                 sums.last_change_episode,
+                 std::move(tally_.curve)};
+}
+
+// A single start needs no shares.
+template <typename Simulator, Algorithm kAlgorithm>
+void LearningLoop<Simulator, kAlgorithm>::set_starts(ChainParts& parts) const {
+  parts.initial_state = 0;
+  if (started_.size() > 1) {
+    parts.initial_state = started_.begin()->first;
+    for (const auto& [state, episodes] : started_) {
+      parts.starts.push_back({state, episodes});
+    }
+  }
 }
 
 template <typename Simulator, Algorithm kAlgorithm>
@@ -266,8 +342,85 @@ Result<Chain> LearningLoop<Simulator, kAlgorithm>::make_chain() const {
     }
   }
   parts.policy = greedy_policy(parts.q, kActions);
-  parts.initial_state = 0;
+  parts.collisions = collisions_;
+  set_starts(parts);
   return Chain::make(std::move(parts));
+}
+
+// The state as bytes, in the order of save(). greedy_of_code_ and state_of_code_ follow from the rest.
+template <typename Simulator, Algorithm kAlgorithm>
+LearnCheckpoint LearningLoop<Simulator, kAlgorithm>::save() const {
+  ByteWriter writer;
+  writer.put(tally_.sums);
+  writer.put(random_.state());
+  writer.put(start_);
+  writer.put(static_cast<std::uint32_t>(rows_.size()));
+  writer.put(static_cast<std::uint32_t>(started_.size()));
+  const std::vector<ChainBuilder::Counted> counted = counts_.counted();
+  writer.put(static_cast<std::uint64_t>(counted.size()));
+  writer.put(static_cast<std::uint32_t>(tally_.curve.reward.size()));
+  writer.put_all(code_of_state_);
+  for (const Row& row : rows_) {
+    writer.put(row);
+  }
+  writer.put_all(collisions_);
+  for (const auto& [state, episodes] : started_) {
+    writer.put(state);
+    writer.put(episodes);
+  }
+  writer.put_all(counted);
+  writer.put_all(tally_.curve.reward);
+  writer.put_all(tally_.curve.collisions);
+  return {tally_.sums.episodes, writer.take()};
+}
+
+template <typename Simulator, Algorithm kAlgorithm>
+Result<void> LearningLoop<Simulator, kAlgorithm>::restore(const LearnCheckpoint& checkpoint) {
+  const auto wrong = [](const char* what) {
+    return bad_input(fmt::format("the state of learning {}: expected one that this world and algorithm wrote", what));
+  };
+  ByteReader reader(checkpoint.state);
+  tally_.sums = reader.template get<Sums>();
+  const auto random = Xoshiro256::from_state(reader.template get<std::array<std::uint64_t, 4>>());
+  start_ = reader.template get<std::uint32_t>();
+  const auto states = reader.template get<std::uint32_t>();
+  const auto started = reader.template get<std::uint32_t>();
+  const auto counted = reader.template get<std::uint64_t>();
+  const auto points = reader.template get<std::uint32_t>();
+  code_of_state_ = reader.template get_all<std::uint32_t>(states);
+  rows_ = reader.template get_all<Row>(states);
+  collisions_ = reader.template get_all<std::uint32_t>(std::size_t{states} * kCollisionWidth);
+  for (std::uint32_t i = 0; i < started && reader.ok(); ++i) {
+    const auto state = reader.template get<std::uint32_t>();
+    started_[state] = reader.template get<std::uint32_t>();
+  }
+  const auto transitions = reader.template get_all<ChainBuilder::Counted>(counted);
+  tally_.curve.reward = reader.template get_all<double>(points);
+  tally_.curve.collisions = reader.template get_all<double>(points);
+  if (!reader.ok() || reader.left() != 0) {
+    return wrong("has another length");
+  }
+  if (!random || start_ >= simulator_.starts() || tally_.sums.episodes != checkpoint.episodes_done ||
+      tally_.sums.episodes > settings_.episodes + settings_.greedy_episodes ||
+      std::any_of(started_.begin(), started_.end(), [&](const auto& start) { return start.first >= states; })) {
+    return wrong("has numbers out of range");
+  }
+  random_ = *random;
+  for (std::uint32_t state = 0; state < states; ++state) {
+    const std::uint32_t code = code_of_state_[state];
+    if (code >= Simulator::kCodes || state_of_code_[code] != kUnseen) {
+      return wrong("names an observation twice, or one that there is not");
+    }
+    state_of_code_[code] = state;
+    greedy_of_code_[code] = greedy(rows_[state]);
+  }
+  for (const ChainBuilder::Counted& transition : transitions) {
+    if (transition.row >= std::uint64_t{states} * Simulator::kActions || transition.next >= states ||
+        !counts_.add(transition)) {
+      return wrong("counts a transition twice, or one that there is not");
+    }
+  }
+  return {};
 }
 
 }  // namespace coppice

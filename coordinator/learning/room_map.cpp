@@ -7,6 +7,7 @@ namespace coppice {
 namespace {
 
 constexpr std::string_view kHeadingMarks = "^>v<";  // in the order of Heading
+constexpr char kChargerMark = 'C';
 
 std::string quoted(char c) {
   const auto byte = static_cast<unsigned char>(c);
@@ -59,8 +60,8 @@ Result<void> check_width(const std::vector<std::string_view>& lines) {
 // The first cell, in reading order, that is not a wall and that the UAV cannot come to.
 std::optional<std::size_t> unreachable_cell(const RoomMap& map) {
   std::vector<bool> reached(map.cells.size(), false);
-  std::vector<std::size_t> frontier{map.uav_cell};
-  reached[map.uav_cell] = true;
+  std::vector<std::size_t> frontier{map.starts.front().cell};
+  reached[frontier.front()] = true;
   while (!frontier.empty()) {
     const std::size_t cell = frontier.back();
     frontier.pop_back();
@@ -80,39 +81,41 @@ std::optional<std::size_t> unreachable_cell(const RoomMap& map) {
 }
 
 Result<RoomMap> read_cells(const std::vector<std::string_view>& lines) {
-  RoomMap map{lines.front().size(), lines.size(), {}, 0, Heading::up};
+  RoomMap map{lines.front().size(), lines.size(), {}, {}, {}};
   map.cells.reserve(map.width * map.height);
-  std::optional<std::size_t> uav;
   for (std::size_t row = 0; row < map.height; ++row) {
     for (std::size_t column = 0; column < map.width; ++column) {
       const char mark = lines[row][column];
       const bool border = row == 0 || column == 0 || row + 1 == map.height || column + 1 == map.width;
       const std::size_t heading = kHeadingMarks.find(mark);
-      const bool known = mark == '#' || mark == '.' || mark == '*' || heading != std::string_view::npos;
+      const bool known =
+          mark == '#' || mark == '.' || mark == '*' || mark == kChargerMark || heading != std::string_view::npos;
       if (!known) {
-        return bad_input(fmt::format("{}: found {}: expected # (wall), . (free), * (trash) or the UAV as ^ > v <",
-                                     at(row + 1, column + 1), quoted(mark)));
+        return bad_input(
+            fmt::format("{}: found {}: expected # (wall), . (free), * (trash), C (charger) or the UAV as ^ > v <",
+                        at(row + 1, column + 1), quoted(mark)));
       }
       if (border && mark != '#') {
         return bad_input(fmt::format("{}: found {} on the border: expected # (a room is enclosed by walls)",
                                      at(row + 1, column + 1), quoted(mark)));
       }
       if (heading != std::string_view::npos) {
-        if (uav) {
-          return bad_input(fmt::format("{}: found a second UAV {}: expected one, and it is at {}",
-                                       at(row + 1, column + 1), quoted(mark),
-                                       at(*uav / map.width + 1, *uav % map.width + 1)));
+        map.starts.push_back({map.cells.size(), static_cast<Heading>(heading)});
+      }
+      if (mark == kChargerMark) {
+        if (map.charger) {
+          return bad_input(fmt::format("{}: found a second charger: expected at most one, and it is at {}",
+                                       at(row + 1, column + 1),
+                                       at(*map.charger / map.width + 1, *map.charger % map.width + 1)));
         }
-        uav = map.cells.size();
-        map.uav_heading = static_cast<Heading>(heading);
+        map.charger = map.cells.size();
       }
       map.cells.push_back(mark == '#' ? Cell::wall : mark == '*' ? Cell::trash : Cell::free);
     }
   }
-  if (!uav) {
+  if (map.starts.empty()) {
     return bad_input(fmt::format("lines 1 to {}: no UAV: expected one of ^ > v <", map.height));
   }
-  map.uav_cell = *uav;
   return map;
 }
 

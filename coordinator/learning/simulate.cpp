@@ -8,9 +8,7 @@
 #include "common/check.hpp"
 #include "common/tree/tick.hpp"
 #include "coordinator/learning/external_walk.hpp"
-#include "coordinator/learning/room_map.hpp"
-#include "coordinator/learning/uav_room.hpp"
-#include "coordinator/learning/windy_grid.hpp"
+#include "coordinator/learning/simulators.hpp"
 
 namespace coppice {
 namespace {
@@ -59,8 +57,7 @@ Result<std::vector<EpisodeRecord>> run_episodes(Simulator simulator, const Obser
     Stream random(settings.seed, Purpose::simulating, static_cast<std::uint32_t>(number >> 32U),
                   static_cast<std::uint32_t>(number));
     EpisodeRecord record;
-    simulator.reset();
-    const std::uint32_t first_code = simulator.code();
+    simulator.reset(draw_start(simulator.starts(), random));
     bool ended = false;
     while (record.steps < settings.steps && !ended) {
       const std::uint32_t code = simulator.code();
@@ -77,10 +74,13 @@ Result<std::vector<EpisodeRecord>> run_episodes(Simulator simulator, const Obser
       record.collisions += outcome.collided ? 1 : 0;
       ended = outcome.ended;
       if (watch) {
+        if (ended) {
+          simulator.reset(draw_start(simulator.starts(), random));
+        }
         watch({.before = observations.features(code),
                .action = action,
                .reward = outcome.reward,
-               .after = observations.features(ended ? first_code : simulator.code()),
+               .after = observations.features(simulator.code()),
                .collided = outcome.collided});
       }
     }
@@ -110,12 +110,8 @@ Result<std::vector<EpisodeRecord>> simulate(const World& world, const Chain& cha
   if (world.kind == WorldKind::outside) {
     return simulate_outside(world.simulator, chain, tree, settings, go_on, watch);
   }
-  if (world.kind == WorldKind::windy) {
-    return simulate_in(WindyGrid(), chain, tree, settings, go_on, watch);
-  }
-  const auto map = parse_room(world.room);
-  COPPICE_CHECK(map.has_value());
-  return simulate_in(UavRoom(*map), chain, tree, settings, go_on, watch);
+  return with_simulator(
+      world, [&](const auto& simulator) { return simulate_in(simulator, chain, tree, settings, go_on, watch); });
 }
 
 }  // namespace

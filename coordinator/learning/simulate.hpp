@@ -39,7 +39,7 @@ struct SimulatedStep {
   std::span<const std::uint8_t> before;  // [features] what was observed
   ActionId action{};                     // an action: a controller that holds still takes no step
   double reward = 0.0;
-  // [features] What is observed then. Of a step that ends the episode it is where the next one starts, as in the chain
+  // [features] What is observed then. Of a step that ends the episode it is where another one starts, as in the chain
   // (learning_loop.hpp).
   std::span<const std::uint8_t> after;
   // `after` is where the task ended, in a chain that has states for that.

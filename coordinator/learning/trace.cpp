@@ -6,8 +6,7 @@
 #include "common/chain/random.hpp"
 #include "common/check.hpp"
 #include "common/tree/tick.hpp"
-#include "coordinator/learning/uav_room.hpp"
-#include "coordinator/learning/windy_grid.hpp"
+#include "coordinator/learning/simulators.hpp"
 
 namespace coppice {
 namespace {
@@ -15,14 +14,16 @@ namespace {
 constexpr ActionId kActionInUnknownStates{0};  // as simulate_policy()
 
 // Where the agent is, and where trash lies; the latter is looked up only when it changes.
+template <typename Room>
 struct RoomPlace {
-  explicit RoomPlace(const UavRoom& room) : map(room.map()) {}
+  explicit RoomPlace(const Room& room) : map(room.map()) {}
 
   Pose pose() const {
-    return {.cell = static_cast<std::uint32_t>(map.uav_cell), .heading = static_cast<std::uint8_t>(map.uav_heading)};
+    const RoomStart& uav = map.starts.front();
+    return {.cell = static_cast<std::uint32_t>(uav.cell), .heading = static_cast<std::uint8_t>(uav.heading)};
   }
   // Takes the room as it is now; the cell where trash came, if it moved.
-  std::optional<std::uint32_t> update(const UavRoom& room) {
+  std::optional<std::uint32_t> update(const Room& room) {
     const RoomMap before = std::exchange(map, room.map());
     for (std::size_t cell = 0; cell < map.cells.size(); ++cell) {
       if (map.cells[cell] == Cell::trash && before.cells[cell] != Cell::trash) {
@@ -49,6 +50,15 @@ struct GridPlace {
   WindyGrid::Place place;
 };
 
+template <typename Simulator>
+auto place_of(const Simulator& simulator) {
+  if constexpr (requires { simulator.map(); }) {
+    return RoomPlace(simulator);
+  } else {
+    return GridPlace(simulator);
+  }
+}
+
 // The policy's action by observation code; kActionInUnknownStates where the chain does not know it.
 template <typename Simulator>
 std::vector<ActionId> policy_by_code(const Chain& chain) {
@@ -59,7 +69,7 @@ std::vector<ActionId> policy_by_code(const Chain& chain) {
   return policy;
 }
 
-template <typename Place, typename Simulator>
+template <typename Simulator>
 Result<std::vector<Trace>> trace_in(Simulator simulator, const Chain& chain, const Tree* tree,
                                     const SimulateSettings& settings, const SimulateProgress& go_on) {
   COPPICE_CHECK(chain.vocabulary() == Simulator::vocabulary());
@@ -73,8 +83,8 @@ Result<std::vector<Trace>> trace_in(Simulator simulator, const Chain& chain, con
     const std::uint64_t number = settings.first_episode + episode;
     Stream random(settings.seed, Purpose::simulating, static_cast<std::uint32_t>(number >> 32U),
                   static_cast<std::uint32_t>(number));
-    simulator.reset();
-    Place place(simulator);
+    simulator.reset(draw_start(simulator.starts(), random));
+    auto place = place_of(simulator);
     Trace trace{.episode = number, .start = place.pose(), .steps = {}};
     bool ended = false;
     while (trace.steps.size() < settings.steps && !ended) {
@@ -113,17 +123,18 @@ std::optional<Grid> grid_of(const World& world) {
   }
   const Result<RoomMap> map = parse_room(world.room);
   COPPICE_CHECK(map.has_value());
-  return Grid{.width = map->width, .height = map->height, .cells = map->cells, .has_heading = true};
+  return Grid{
+      .width = map->width,
+      .height = map->height,
+      .cells = map->cells,
+      .goal = map->charger.has_value() ? std::optional(static_cast<std::uint32_t>(*map->charger)) : std::nullopt,
+      .has_heading = true};
 }
 
 Result<std::vector<Trace>> trace_episodes(const World& world, const Chain& chain, const Tree* tree,
                                           const SimulateSettings& settings, const SimulateProgress& go_on) {
-  if (world.kind == WorldKind::windy) {
-    return trace_in<GridPlace>(WindyGrid(), chain, tree, settings, go_on);
-  }
-  const Result<RoomMap> map = parse_room(world.room);
-  COPPICE_CHECK(map.has_value());
-  return trace_in<RoomPlace>(UavRoom(*map), chain, tree, settings, go_on);
+  return with_simulator(world,
+                        [&](const auto& simulator) { return trace_in(simulator, chain, tree, settings, go_on); });
 }
 
 }  // namespace coppice

@@ -45,7 +45,7 @@ struct Grid {
   std::size_t width = 0;
   std::size_t height = 0;
   std::vector<Cell> cells;              // [height x width]
-  std::optional<std::uint32_t> goal{};  // a cell that ends the episode
+  std::optional<std::uint32_t> goal{};  // a cell to come to: what ends the episode, or a charger
   bool has_heading = false;
 };
 

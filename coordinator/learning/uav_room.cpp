@@ -79,7 +79,7 @@ bool visible(const RoomMap& map, std::size_t cell, std::size_t seen) {
 
 }  // namespace
 
-UavRoom::UavRoom(const RoomMap& map) : width_(map.width), height_(map.height) {
+UavRoom::UavRoom(const RoomMap& map) : width_(map.width), height_(map.height), charger_(map.charger) {
   static_assert(kViewers == kSeen.size());
   constexpr std::array kWeight = weights(kCodeBits);
   std::vector<std::uint32_t> floor(map.cells.size(), kNotFloor);
@@ -113,9 +113,12 @@ UavRoom::UavRoom(const RoomMap& map) : width_(map.width), height_(map.height) {
       after_.push_back(viewer * kHeadings + heading);
     }
   }
-  COPPICE_CHECK(floor[map.uav_cell] != kNotFloor);
-  first_pose_ = floor[map.uav_cell] * kHeadings + static_cast<std::uint32_t>(map.uav_heading);
-  reset();
+  COPPICE_CHECK(!map.starts.empty());
+  for (const RoomStart& start : map.starts) {
+    COPPICE_CHECK(floor[start.cell] != kNotFloor);
+    first_poses_.push_back(floor[start.cell] * kHeadings + static_cast<std::uint32_t>(start.heading));
+  }
+  reset(0);
 }
 
 Vocabulary UavRoom::vocabulary() {
@@ -146,8 +149,8 @@ std::uint32_t UavRoom::code_of(std::span<const std::uint8_t> features) {
   return code;
 }
 
-void UavRoom::reset() {
-  pose_ = first_pose_;
+void UavRoom::reset(std::uint32_t start) {
+  pose_ = first_poses_[start];
   codes_ = first_codes_;
   trash_ = first_trash_;
   empty_ = first_empty_;
@@ -170,10 +173,9 @@ void UavRoom::collect(std::uint32_t cell, std::size_t slot) {
 }
 
 RoomMap UavRoom::map() const {
-  RoomMap map{width_, height_, std::vector<Cell>(width_ * height_, Cell::wall), cells_[pose_ / kHeadings],
-              static_cast<Heading>(pose_ % kHeadings)};
-  for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
-    map.cells[cells_[cell]] = trash_[cell] != 0 ? Cell::trash : Cell::free;
+  RoomMap map{width_, height_, std::vector<Cell>(width_ * height_, Cell::wall), {{cell(), heading()}}, charger_};
+  for (std::size_t floor = 0; floor < cells_.size(); ++floor) {
+    map.cells[cells_[floor]] = trash_[floor] != 0 ? Cell::trash : Cell::free;
   }
   return map;
 }

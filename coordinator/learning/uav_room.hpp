@@ -19,6 +19,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,8 +48,11 @@ class UavRoom {
   // The inverse of features_of(). REQUIRES: readings that the vocabulary lists.
   static std::uint32_t code_of(std::span<const std::uint8_t> features);
 
-  // Back to the map as drawn.
-  void reset();
+  // How many places an episode can start at.
+  std::uint32_t starts() const { return static_cast<std::uint32_t>(first_poses_.size()); }
+
+  // Back to the map as drawn, with the UAV at one of its starts. REQUIRES: start < starts().
+  void reset(std::uint32_t start);
 
   // What the UAV observes now, below kCodes.
   std::uint32_t code() const { return (codes_[pose_ / kHeadings] >> (kCodeBits * (pose_ % kHeadings))) & kCodeMask; }
@@ -68,7 +72,11 @@ class UavRoom {
     return {reward, collided, false};
   }
 
-  // The room as it is now.
+  // Where the UAV is: a cell of the map.
+  std::size_t cell() const { return cells_[pose_ / kHeadings]; }
+  Heading heading() const { return static_cast<Heading>(pose_ % kHeadings); }
+
+  // The room as it is now: its only start is where the UAV is.
   RoomMap map() const;
 
  private:
@@ -87,10 +95,12 @@ class UavRoom {
   std::vector<std::uint32_t> after_;  // [poses x kActionWidth] the pose after an action; itself at a collision
   std::vector<std::uint32_t>
       viewers_;  // [floor cells x kViewers] the cell that sees it from there, or the one past the last
-  std::uint32_t first_pose_ = 0;
+  std::vector<std::uint32_t> first_poses_;  // [starts]
   std::vector<std::uint64_t> first_codes_;
   std::vector<std::uint8_t> first_trash_;
   std::vector<std::uint32_t> first_empty_;
+
+  std::optional<std::size_t> charger_;  // as drawn: only map() says it
 
   std::uint32_t pose_ = 0;
   std::vector<std::uint64_t>

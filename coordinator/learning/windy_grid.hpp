@@ -47,7 +47,9 @@ class WindyGrid {
   // The inverse of features_of(). REQUIRES: x and y within the grid.
   static std::uint32_t code_of(std::span<const std::uint8_t> features);
 
-  void reset() { place_ = kStart; }
+  static constexpr std::uint32_t starts() { return 1; }
+
+  void reset(std::uint32_t /*start*/) { place_ = kStart; }
 
   std::uint32_t code() const { return static_cast<std::uint32_t>(place_.y * kColumns + place_.x); }
 

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 #include <fstream>
+#include <utility>
 
-#include "coordinator/learning/default_room.hpp"
+#include "coordinator/learning/battery_room.hpp"
 #include "coordinator/learning/room_map.hpp"
+#include "coordinator/learning/rooms.hpp"
 #include "coordinator/learning/uav_room.hpp"
 #include "coordinator/learning/windy_grid.hpp"
 
@@ -17,8 +19,8 @@ constexpr std::size_t kMaxRoomBytes = 2 * kMaxRoomSide * (kMaxRoomSide + 2);
 Result<std::string> read_room_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) {
-    return bad_input(
-        fmt::format("world '{}': cannot open: expected \"uav\", \"windy\" or the path of a .room file", path));
+    return bad_input(fmt::format(
+        "world '{}': cannot open: expected \"uav\", \"battery\", \"windy\" or the path of a .room file", path));
   }
   std::string text(kMaxRoomBytes + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
@@ -39,6 +41,9 @@ Result<World> load_world(const std::string& name_or_path) {
   if (name_or_path == name_of(WorldKind::uav)) {
     return World{WorldKind::uav, std::string(default_room()), {}, {}};
   }
+  if (name_or_path == name_of(WorldKind::battery)) {
+    return World{WorldKind::battery, std::string(battery_room()), {}, {}};
+  }
   if (name_or_path == name_of(WorldKind::windy)) {
     return World{WorldKind::windy, {}, {}, {}};
   }
@@ -46,11 +51,11 @@ Result<World> load_world(const std::string& name_or_path) {
   if (!text) {
     return tl::unexpected(text.error());
   }
-  auto world = make_world(name_of(WorldKind::uav), *text);
-  if (!world) {
-    return in_context(name_or_path, world.error());
+  const auto map = parse_room(*text);
+  if (!map) {
+    return in_context(name_or_path, map.error());
   }
-  return world;
+  return World{map->charger ? WorldKind::battery : WorldKind::uav, std::move(*text), {}, {}};
 }
 
 Result<World> make_world(const std::string& kind, const std::string& room) {
@@ -63,28 +68,37 @@ Result<World> make_world(const std::string& kind, const std::string& room) {
     }
     return World{WorldKind::windy, {}, {}, {}};
   }
-  if (kind != name_of(WorldKind::uav)) {
-    return bad_input(fmt::format("world kind '{}': expected \"uav\" or \"windy\"", kind));
+  const bool battery = kind == name_of(WorldKind::battery);
+  if (!battery && kind != name_of(WorldKind::uav)) {
+    return bad_input(fmt::format("world kind '{}': expected \"uav\", \"battery\" or \"windy\"", kind));
   }
-  if (auto map = parse_room(room); !map) {
+  const auto map = parse_room(room);
+  if (!map) {
     return tl::unexpected(map.error());
   }
-  return World{WorldKind::uav, room, {}, {}};
+  if (battery != map->charger.has_value()) {
+    return bad_input(fmt::format("world '{}': its map has {} charger: expected {}", kind, map->charger ? "a" : "no",
+                                 battery ? "one" : "none"));
+  }
+  return World{battery ? WorldKind::battery : WorldKind::uav, room, {}, {}};
 }
 
 World outside_world(const std::string& simulator, const Vocabulary& vocabulary) {
   return {WorldKind::outside, {}, simulator, vocabulary};
 }
 
-std::string name_of(WorldKind kind) {
-  return kind == WorldKind::uav ? "uav" : kind == WorldKind::windy ? "windy" : "simulator";
-}
-
 Vocabulary vocabulary_of(const World& world) {
-  if (world.kind == WorldKind::outside) {
-    return world.vocabulary;
+  switch (world.kind) {
+    case WorldKind::uav:
+      return UavRoom::vocabulary();
+    case WorldKind::battery:
+      return BatteryRoom::vocabulary();
+    case WorldKind::windy:
+      return WindyGrid::vocabulary();
+    case WorldKind::outside:
+      break;
   }
-  return world.kind == WorldKind::uav ? UavRoom::vocabulary() : WindyGrid::vocabulary();
+  return world.vocabulary;
 }
 
 }  // namespace coppice

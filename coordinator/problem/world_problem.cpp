@@ -33,6 +33,19 @@ void label_room(const Vocabulary& vocabulary, Problem& problem) {
   }
 }
 
+void label_battery(const Vocabulary& vocabulary, Problem& problem) {
+  for (std::size_t f = 0; f < vocabulary.features.size(); ++f) {
+    if (vocabulary.features[f].name == "battery") {
+      problem.features[f].label = "battery";
+      problem.features[f].values = {
+          {0, "nearly empty"}, {1, "a quarter"}, {2, "half"}, {3, "three quarters"}, {4, "nearly full"}};
+    } else if (vocabulary.features[f].name == "charger") {
+      problem.features[f].label = "charger";
+      problem.features[f].values = {{0, "here"}, {1, "ahead"}, {2, "right"}, {3, "behind"}, {4, "left"}};
+    }
+  }
+}
+
 void label_grid(const Vocabulary& vocabulary, Problem& problem) {
   for (std::size_t f = 0; f < vocabulary.features.size(); ++f) {
     if (vocabulary.features[f].name == "x") {
@@ -49,6 +62,9 @@ Problem problem_of_world(std::string_view kind, const Vocabulary& vocabulary) {
   Problem problem = unlabelled(vocabulary);
   if (kind == "uav") {
     label_room(vocabulary, problem);
+  } else if (kind == "battery") {
+    label_room(vocabulary, problem);
+    label_battery(vocabulary, problem);
   } else if (kind == "windy") {
     label_grid(vocabulary, problem);
   }

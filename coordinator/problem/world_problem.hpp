@@ -8,7 +8,7 @@
 
 namespace coppice {
 
-// `kind`: as a study keeps it ("uav", "windy"). Features that a world does not know stay without a label.
+// `kind`: as a study keeps it ("uav", "battery", "windy"). Features that a world does not know stay without a label.
 Problem problem_of_world(std::string_view kind, const Vocabulary& vocabulary);
 
 }  // namespace coppice

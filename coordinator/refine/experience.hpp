@@ -1,7 +1,8 @@
 // What a controller met in the simulator, counted as learning counts it (thesis VI-E.2), and a chain with it. Counts
-// are real observations: a simulated step adds 1 to its (state, action, successor) and its reward to its (state,
-// action), and changes nothing else. Q-values, the policy and the visits of learning stay: a simulated step teaches the
-// policy nothing, and `visits` says how well it knows a state.
+// are real observations: a simulated step adds 1 to its (state, action, successor), its reward and,
+// where the chain counts them, its collision to its (state, action), and changes nothing else. Q-values, the policy and
+// the visits of learning stay: a simulated step teaches the policy nothing, and `visits` says how well it knows a
+// state.
 //
 // An observation that learning never met becomes a state behind all others, in the order in which they were met. The
 // Q-table has nothing for it, so it gets what learning starts a state with: Q-values of 0, on which the greedy policy

@@ -122,7 +122,8 @@ Result<void> write_drawing(const Tree& tree, const Vocabulary& vocabulary, const
     if (auto found = check_dot(); !found) {
       return found;
     }
-    return run_program({"dot", fmt::format("-T{}", program_format), "-o", temporary.string()}, source);
+    return run_program(
+        {"dot", fmt::format("-T{}", program_format), "-o", std::filesystem::absolute(temporary).string()}, source);
   });
 }
 

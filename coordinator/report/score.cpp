@@ -14,7 +14,7 @@
 #include "common/tree/text.hpp"
 #include "coordinator/console/counted.hpp"
 #include "coordinator/console/json_line.hpp"
-#include "coordinator/learning/default_room.hpp"
+#include "coordinator/learning/rooms.hpp"
 
 namespace coppice {
 namespace {

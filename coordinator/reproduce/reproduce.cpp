@@ -102,8 +102,8 @@ class Reproduction {
     if (!learned) {
       return tl::unexpected(learned.error());
     }
-    return Study::create((folder_ / kRoomStudy).string(), learned->chain, {name_of(world.kind), world.room},
-                         {json_of(settings, "uav"), json_of(*learned)});
+    return Study::create((folder_ / kRoomStudy).string(), learned->chain,
+                         {std::string(name_of(world.kind)), world.room}, {json_of(settings, "uav"), json_of(*learned)});
   }
 
   Result<void> room() {
@@ -250,7 +250,7 @@ class Reproduction {
     const World world{WorldKind::windy, ""};
     const LearnSettings learning = grid_settings(Algorithm::q_learning, 1);
     Result<Study> study =
-        Study::create((folder_ / kGridStudy).string(), policy.learned.chain, {name_of(world.kind), ""},
+        Study::create((folder_ / kGridStudy).string(), policy.learned.chain, {std::string(name_of(world.kind)), ""},
                       {json_of(learning, "windy"), json_of(policy.learned)});
     if (!study) {
       return tl::unexpected(std::move(study).error());

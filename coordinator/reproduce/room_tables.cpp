@@ -142,8 +142,9 @@ Comparison table_four(const RoomRun& run, const Experiment& experiment, const st
   table.rows = {rows.evolved, rows.all, rows.simulation, rows.reward, rows.size, rows.collisions};
   table.remarks = {
       kOurMap,
-      "The thesis shows one evolution, and does not say of how many. An evolution is a draw: the last column "
-      "has what its parameters give over seeds. BT adjusted was made by hand; we add nothing by hand."};
+      "The thesis shows one evolution, and does not say of how many. Its outcome depends on chance: the last "
+      "column has what the same parameters give with other seeds. BT adjusted was made by hand; we add nothing by "
+      "hand."};
   add_best(experiment, trials, run, table);
   return table;
 }

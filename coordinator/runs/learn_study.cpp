@@ -1,12 +1,15 @@
 #include "coordinator/runs/learn_study.hpp"
 
+#include <filesystem>
 #include <fmt/format.h>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <system_error>
 #include <utility>
 
 #include "coordinator/console/counted.hpp"
 #include "coordinator/console/json_line.hpp"
+#include "coordinator/runs/interrupted_learning.hpp"
 
 namespace coppice {
 namespace {
@@ -56,23 +59,46 @@ std::string text_of(const LearnTask& task, const Learned& learned, const std::st
 }  // namespace
 
 Result<LearnReport> learn_study(const LearnTask& task, const std::string& path, const StopFlag& stop,
-                                const std::function<void(std::uint64_t)>& episodes_done) {
+                                const std::function<void(std::uint64_t)>& episodes_done,
+                                const LearnCheckpoint& resumed) {
   if (const Result<void> checked = Study::check_new(path); !checked) {
     return tl::unexpected(checked.error());
   }
-  const Result<Learned> learned = learn(task.world, task.settings, [&](std::uint64_t done) {
-    episodes_done(done);
-    return !stop.raised();
-  });
+  const std::filesystem::path interrupted = interrupted_learning_path(path);
+  std::error_code ignored;
+  if (resumed.state.empty() && std::filesystem::exists(interrupted, ignored)) {
+    return bad_input(fmt::format("{}: learning was interrupted here: expected --resume, or that you delete this file",
+                                 interrupted.string()));
+  }
+  LearnCheckpoint checkpoint = resumed;
+  const Result<Learned> learned = learn(
+      task.world, task.settings,
+      [&](std::uint64_t done) {
+        episodes_done(done);
+        return !stop.raised();
+      },
+      &checkpoint);
   if (!learned) {
+    if (learned.error().kind == ErrorKind::interrupted) {
+      if (const Result<void> kept = write_interrupted_learning(interrupted, {task, checkpoint}); !kept) {
+        return tl::unexpected(kept.error());
+      }
+      return tl::unexpected(
+          Error{ErrorKind::interrupted,
+                fmt::format("interrupted after {} of {} episodes; go on with: coppice learn -o {} --resume",
+                            checkpoint.episodes_done, task.settings.episodes + task.settings.greedy_episodes, path)});
+    }
     return tl::unexpected(learned.error());
   }
   const nlohmann::ordered_json settings = json_of(task);
   const nlohmann::ordered_json outcome = json_of(*learned);
-  const StudyWorld world{name_of(task.world.kind), task.world.room};
+  const StudyWorld world{std::string(name_of(task.world.kind)), task.world.room};
   Result<Study> study = Study::create(path, learned->chain, world, {json_line(settings), json_line(outcome)});
   if (!study) {
     return tl::unexpected(std::move(study).error());
+  }
+  if (!resumed.state.empty()) {
+    std::filesystem::remove(interrupted, ignored);
   }
   const nlohmann::ordered_json report = {{"study", path}, {"settings", settings}, {"outcome", outcome}};
   return LearnReport{std::move(*study), fmt::format("reward {:.1f}", learned->last_rewards),

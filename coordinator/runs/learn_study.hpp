@@ -26,10 +26,13 @@ struct LearnReport {
   std::string json;     // one object on one line
 };
 
-// Learns and makes the study file `path`; tells how many episodes are done. Errors: as learn() and Study::create(); the
-// path exists already, which is found out before learning.
+// Learns and makes the study file `path`; tells how many episodes are done. What is interrupted is kept beside it, in
+// interrupted_learning_path(). `resumed`: goes on with that, and the file goes once the study is there. Errors: as
+// learn() and Study::create(); the path exists already, or interrupted learning that nobody resumes, which are found
+// out before learning.
 Result<LearnReport> learn_study(const LearnTask& task, const std::string& path, const StopFlag& stop,
-                                const std::function<void(std::uint64_t episodes)>& episodes_done);
+                                const std::function<void(std::uint64_t episodes)>& episodes_done,
+                                const LearnCheckpoint& resumed = {});
 
 // The episode length that the study was learned with; that of thesis Table II where it does not say.
 std::uint32_t learned_steps(const Study& study);

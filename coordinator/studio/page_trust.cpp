@@ -155,7 +155,7 @@ std::vector<std::string> shortfalls_of(const Promise& promise, const Json& figur
 
 std::vector<std::string> default_rules(const std::string& world_kind) {
   std::vector<std::string> rules{"never none"};
-  if (world_kind == "uav") {
+  if (world_kind == "uav" || world_kind == "battery") {
     rules.emplace_back("never move when s3=0");
   }
   return rules;

@@ -5,6 +5,7 @@
 // last few). One thread at a time; several processes may have the same file open.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -18,6 +19,7 @@
 #include "common/chain/chain.hpp"
 #include "common/chain/chain_bytes.hpp"
 #include "common/error.hpp"
+#include "common/named.hpp"
 #include "common/tree/tree.hpp"
 #include "coordinator/evolution/evolve.hpp"
 #include "coordinator/problem/problem.hpp"
@@ -29,7 +31,8 @@ inline constexpr std::chrono::milliseconds kBusyTimeout{10'000};  // how long to
 enum class RunId : std::int64_t {};  // from 1, in order of start
 
 enum class RunStatus : std::uint8_t { running, finished, interrupted, failed };
-std::string_view name_of(RunStatus status);
+template <>
+inline constexpr std::array kNames<RunStatus> = names("running", "finished", "interrupted", "failed");
 
 // What make_world() takes (coordinator/learning/world.hpp).
 struct StudyWorld {

@@ -13,15 +13,11 @@
 namespace coppice {
 namespace {
 
-constexpr std::array<std::string_view, 4> kStatusNames = {"running", "finished", "interrupted", "failed"};
-
 constexpr const char* kRunColumns =
     "SELECT id, config, evaluator, status, started, coalesce(ended, ''), tree, pruned, result, owner_host, owner_boot, "
     "owner_space, owner_pid, owner_start, (SELECT count(*) FROM generations WHERE run = runs.id) FROM runs ";
 
 }  // namespace
-
-std::string_view name_of(RunStatus status) { return kStatusNames.at(static_cast<std::size_t>(status)); }
 
 std::int64_t number(RunId run) { return static_cast<std::int64_t>(run); }
 
@@ -132,11 +128,11 @@ Result<OwnedRun> StudyRows::run_of(SQLite::Statement& row) {
   }
   record.config = std::move(*config);
   record.evaluator = row.getColumn(2).getString();
-  const auto status = std::find(kStatusNames.begin(), kStatusNames.end(), row.getColumn(3).getString());
-  if (status == kStatusNames.end()) {
-    return in_run({ErrorKind::bad_input, "unknown status"});
+  const auto status = value_named<RunStatus>("status", row.getColumn(3).getString());
+  if (!status) {
+    return in_run(status.error());
   }
-  record.status = static_cast<RunStatus>(status - kStatusNames.begin());
+  record.status = *status;
   record.started = row.getColumn(4).getString();
   record.ended = row.getColumn(5).getString();
   for (auto [column, tree] : {std::pair{6, &record.tree}, std::pair{7, &record.pruned}}) {

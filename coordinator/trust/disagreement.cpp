@@ -8,7 +8,6 @@
 
 #include "common/chain/exact.hpp"
 #include "common/check.hpp"
-#include "common/named.hpp"
 #include "coordinator/learning/world.hpp"
 #include "coordinator/report/on_chain.hpp"
 #include "coordinator/trust/jumps.hpp"
@@ -16,7 +15,6 @@
 namespace coppice {
 namespace {
 
-constexpr std::array<std::string_view, 4> kNames{"tree", "policy", "learning", "states"};
 constexpr std::uint32_t kMostTests = 8;
 constexpr std::uint32_t kMostGroups = 1000;
 // A shorter conjunction is taken when it saves at least this share of what the longest saves.
@@ -177,10 +175,6 @@ bool all_hold(const std::vector<Node>& tests, std::span<const std::uint8_t> feat
 }
 
 }  // namespace
-
-std::string_view name_of(Weighting weighting) { return kNames[static_cast<std::size_t>(weighting)]; }
-
-Result<Weighting> weighting_named(std::string_view name) { return value_named<Weighting>("weighting", name, kNames); }
 
 Result<void> check_settings(const ExplainSettings& settings) {
   if (settings.steps < 1 || settings.steps > kMaxEpisodeSteps) {

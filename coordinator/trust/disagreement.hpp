@@ -14,12 +14,14 @@
 // Niblett, "The CN2 induction algorithm", Machine Learning 1989).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 #include <vector>
 
 #include "common/chain/chain.hpp"
 #include "common/error.hpp"
+#include "common/named.hpp"
 #include "common/tree/tree.hpp"
 
 namespace coppice {
@@ -33,8 +35,8 @@ enum class Weighting : std::uint8_t {
   learning = 2,  // visits while the policy was learned, per step, times the steps of an episode
   states = 3,    // every state the same: 1
 };
-std::string_view name_of(Weighting weighting);
-Result<Weighting> weighting_named(std::string_view name);
+template <>
+inline constexpr std::array kNames<Weighting> = names("tree", "policy", "learning", "states");
 
 struct Disagreement {
   std::size_t state = 0;

@@ -4,12 +4,15 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "common/check.hpp"
+#include "coordinator/learning/battery_room.hpp"
 #include "coordinator/learning/uav_room.hpp"
 
 namespace coppice {
 namespace {
 
 constexpr std::string_view kRoom = "uav";
+constexpr std::string_view kBattery = "battery";
 constexpr std::string_view kWindy = "windy";
 constexpr double kWindyStep = -1.0;
 constexpr double kWindyGoal = 9.0;  // windy_grid.hpp: -1 for the step and +10 for the goal
@@ -43,11 +46,17 @@ Result<Event> parse_event(std::string_view text) {
   return event;
 }
 
-std::string to_text(const Event& event) { return fmt::format("reward{}{}", event.at_most ? "<=" : ">=", event.bound); }
+std::string to_text(const Event& event) {
+  return event.counted ? "counted" : fmt::format("reward{}{}", event.at_most ? "<=" : ">=", event.bound);
+}
 
 std::vector<Event> events_of_world(std::string_view kind) {
   if (kind == kRoom) {
     return {{.name = "collision", .at_most = true, .bound = UavRoom::kCollisionReward},
+            {.name = "trash", .at_most = false, .bound = UavRoom::kTrashReward}};
+  }
+  if (kind == kBattery) {
+    return {{.name = "collision", .at_most = true, .bound = 0.0, .counted = true},
             {.name = "trash", .at_most = false, .bound = UavRoom::kTrashReward}};
   }
   if (kind == kWindy) {
@@ -57,22 +66,32 @@ std::vector<Event> events_of_world(std::string_view kind) {
 }
 
 std::vector<double> rewards_of_world(std::string_view kind) {
-  if (kind == kRoom) {
+  if (kind == kRoom || kind == kBattery) {
     std::vector<double> rewards(UavRoom::kReward.begin(), UavRoom::kReward.end());
     rewards.push_back(UavRoom::kCollisionReward);
     rewards.push_back(UavRoom::kTrashReward);
+    if (kind == kBattery) {
+      rewards.push_back(BatteryRoom::kFallReward);
+    }
     return rewards;
   }
   return kind == kWindy ? std::vector<double>{kWindyStep, kWindyGoal} : std::vector<double>{};
 }
 
 EventPairs pairs_of(const Event& event, const Chain& chain, const std::vector<double>& world_rewards) {
+  COPPICE_CHECK(!event.counted || !chain.parts().collisions.empty());
   EventPairs result;
   result.chance.assign(chain.states() * (chain.actions() + 1), 0.0);
   for (std::size_t state = 0; state < chain.states(); ++state) {
     for (std::size_t action = 0; action < chain.actions(); ++action) {
       const std::size_t row = state * chain.actions() + action;
       if (chain.tries(row) == 0) {
+        continue;
+      }
+      if (event.counted) {
+        const double share = chain.collision_share(row);
+        result.chance[state * (chain.actions() + 1) + action] = share;
+        result.pairs += share > 0.0 ? 1U : 0U;
         continue;
       }
       const double mean = chain.mean_reward(row);

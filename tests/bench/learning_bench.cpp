@@ -4,8 +4,8 @@
 #include <chrono>
 
 #include "common/chain/random.hpp"
-#include "coordinator/learning/default_room.hpp"
 #include "coordinator/learning/learn.hpp"
+#include "coordinator/learning/rooms.hpp"
 #include "coordinator/learning/uav_room.hpp"
 
 namespace coppice {
@@ -18,7 +18,7 @@ constexpr std::uint64_t kEpisodes = 20'000;
 double walk_alone(UavRoom& room, std::uint64_t episodes, std::uint32_t steps, Xoshiro256& random) {
   double rewards = 0.0;
   for (std::uint64_t episode = 0; episode < episodes; ++episode) {
-    room.reset();
+    room.reset(0);
     for (std::uint32_t step = 0; step < steps; ++step) {
       rewards += room.step(static_cast<std::uint32_t>(random.below(UavRoom::kActions)), random).reward;
     }

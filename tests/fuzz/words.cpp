@@ -2,9 +2,11 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/chain/random.hpp"
 #include "common/check.hpp"
+#include "common/tree/tick.hpp"
 
 namespace coppice::fuzz {
 
@@ -85,6 +87,22 @@ Chain full_chain() {
   auto chain = Chain::make(std::move(parts));
   COPPICE_CHECK(chain.has_value());
   return std::move(*chain);
+}
+
+void check_ticks_alike(const Tree& tree, const Tree& other) {
+  static const std::vector<std::vector<std::uint8_t>> observations = [] {
+    Xoshiro256 random(1);
+    std::vector<std::vector<std::uint8_t>> result(64);
+    for (std::vector<std::uint8_t>& observation : result) {
+      for (const Feature& feature : words().features) {
+        observation.push_back(feature.values[random.below(feature.values.size())]);
+      }
+    }
+    return result;
+  }();
+  for (const std::vector<std::uint8_t>& observation : observations) {
+    COPPICE_CHECK(tick(tree, observation) == tick(other, observation));
+  }
 }
 
 }  // namespace coppice::fuzz

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "common/chain/chain.hpp"
+#include "common/tree/tree.hpp"
 #include "common/tree/vocabulary.hpp"
 
 namespace coppice::fuzz {
@@ -16,5 +17,8 @@ Chain small_chain();
 
 // The same with all that a chain can have: numbers and bins, several starts, an end, lacking actions, collisions.
 Chain full_chain();
+
+// That two trees of words() choose the same action for 64 observations, drawn once and the same for all trees.
+void check_ticks_alike(const Tree& tree, const Tree& other);
 
 }  // namespace coppice::fuzz

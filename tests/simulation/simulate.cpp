@@ -1,6 +1,6 @@
 // The simulation of dispatch by hand: seeds at will, or one run as a finding's command line says.
-//   simulate --seeds A:B [--mutation NAME]         every seed from A to B - 1; stops at the first finding, and shrinks
-//   it
+//   simulate --seeds A:B [--mutation NAME]         every seed from A to B - 1; stops at the first finding and
+//                                                  makes it smaller
 //   simulate --seed S [--workers N] [--guests N] [--clients N] [--demes N] [--requests N] [--units N]
 //            [--faults none|I,J,...] [--mutation NAME]
 //   simulate --arrive N                            so many workers that come at once, and what each costs in memory

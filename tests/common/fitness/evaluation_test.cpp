@@ -357,9 +357,10 @@ TEST(PreparedJob, RefusesWhatDoesNotFit) {
 
 TEST(Objective, NamesGoBothWays) {
   for (std::uint8_t kind = 0; kind < kObjectiveKinds; ++kind) {
-    EXPECT_EQ(*objective_named(name_of(static_cast<ObjectiveKind>(kind))), static_cast<ObjectiveKind>(kind));
+    EXPECT_EQ(*value_named<ObjectiveKind>("objective", name_of(static_cast<ObjectiveKind>(kind))),
+              static_cast<ObjectiveKind>(kind));
   }
-  EXPECT_FALSE(objective_named("agreemnt").has_value());
+  EXPECT_FALSE(value_named<ObjectiveKind>("objective", "agreemnt").has_value());
 }
 
 }  // namespace

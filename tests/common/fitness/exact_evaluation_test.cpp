@@ -199,9 +199,9 @@ TEST(CheckJob, TooLargeAChainIsNotSolvedButWalked) {
 
 TEST(Method, NamesGoBothWays) {
   for (std::uint8_t method = 0; method < kMethods; ++method) {
-    EXPECT_EQ(*method_named(name_of(Method{method})), Method{method});
+    EXPECT_EQ(*value_named<Method>("method", name_of(Method{method})), Method{method});
   }
-  const auto unknown = method_named("exactly");
+  const auto unknown = value_named<Method>("method", "exactly");
   ASSERT_FALSE(unknown.has_value());
   EXPECT_NE(unknown.error().message.find("rollouts, exact, discounted, long_run"), std::string::npos);
 }

@@ -3,9 +3,11 @@
 #include <initializer_list>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "common/evolution/config_keys.hpp"
 #include "coordinator/evolution/config_text.hpp"
 #include "coordinator/evolution/recipe.hpp"
 #include "tests/coordinator/evolution/small_world.hpp"
@@ -57,6 +59,43 @@ EvolveConfig unusual_config() {
   config.front = {
       {kNodesMeasure, measure_of(ObjectiveKind::regret)}, 17, 3, 5, "best regret with nodes<=4", Prefer::coverage};
   return config;
+}
+
+// The comments behind the keys of a TOML file, by full name; a comment may go on in lines of its own.
+std::map<std::string, std::string> comments_of(const std::string& path) {
+  std::map<std::string, std::string> comments;
+  std::ifstream file(path);
+  std::string section;
+  std::string key;
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t mark = line.find("# ");
+    const std::size_t equals = line.find(" = ");
+    if (!line.empty() && line.front() == '[') {
+      section = line.substr(1, line.find(']') - 1) + ".";
+    }
+    if (mark == std::string::npos || mark == 0 || line.front() == '[') {
+      key.clear();
+    } else if (line.front() != ' ') {
+      key = section + line.substr(0, equals);
+      comments[key] = line.substr(mark + 2);
+    } else if (!key.empty()) {
+      comments[key] += " " + line.substr(mark + 2);
+    }
+  }
+  return comments;
+}
+
+TEST(Config, TheThesisFileSaysOfEachKeyWhatTheTableOfKeysSays) {
+  EvolveConfig config;
+  const auto comments = comments_of(kThesisFile);
+  const std::vector<ConfigKey> keys = keys_of(config);
+  EXPECT_EQ(comments.size(), keys.size());
+  for (const ConfigKey& key : keys) {
+    const auto comment = comments.find(key.full_name());
+    ASSERT_NE(comment, comments.end()) << key.full_name();
+    EXPECT_EQ(comment->second, key.help) << key.full_name();
+    EXPECT_FALSE(key.help.empty()) << key.full_name();
+  }
 }
 
 TEST(Config, DefaultsAreTableIIIOfTheThesis) {

@@ -26,7 +26,7 @@ TEST(Format, IsToldFromTheContent) {
   }
   EXPECT_NE(format_of("/").error().message.find("is a folder"), std::string::npos);
   EXPECT_NE(format_of("/no/such").error().message.find("/no/such: cannot be opened"), std::string::npos);
-  EXPECT_FALSE(format_named("xml").has_value());
+  EXPECT_FALSE(value_named<SourceFormat>("format", "xml").has_value());
 }
 
 constexpr std::string_view kTwins = R"(@type: MDP

@@ -102,13 +102,13 @@ TEST(LearnSettings, ExplorationIsAlwaysAProbability) {
 
 TEST(LearnSettings, NamesGoThereAndBack) {
   for (const Algorithm algorithm : {Algorithm::q_learning, Algorithm::sarsa}) {
-    EXPECT_EQ(algorithm_named(name_of(algorithm)), algorithm);
+    EXPECT_EQ(value_named<Algorithm>("algorithm", name_of(algorithm)), algorithm);
   }
   for (const Decay decay : {Decay::thesis, Decay::printed, Decay::linear}) {
-    EXPECT_EQ(decay_named(name_of(decay)), decay);
+    EXPECT_EQ(value_named<Decay>("decay", name_of(decay)), decay);
   }
-  EXPECT_FALSE(algorithm_named("dqn").has_value());
-  EXPECT_FALSE(decay_named("").has_value());
+  EXPECT_FALSE(value_named<Algorithm>("algorithm", "dqn").has_value());
+  EXPECT_FALSE(value_named<Decay>("decay", "").has_value());
 }
 
 TEST(LearnSettings, BadOnesAreRefusedByFlag) {

@@ -16,8 +16,8 @@ TEST(RoomMap, ReadsCellsAndTheUav) {
   ASSERT_TRUE(map.has_value()) << map.error().message;
   EXPECT_EQ(map->width, 5U);
   EXPECT_EQ(map->height, 4U);
-  EXPECT_EQ(map->uav_cell, 12U);
-  EXPECT_EQ(map->uav_heading, Heading::right);
+  EXPECT_EQ(map->starts.front().cell, 12U);
+  EXPECT_EQ(map->starts.front().heading, Heading::right);
   EXPECT_EQ(map->cells[0], Cell::wall);
   EXPECT_EQ(map->cells[6], Cell::free);
   EXPECT_EQ(map->cells[7], Cell::trash);
@@ -30,8 +30,17 @@ TEST(RoomMap, ReadsEveryHeading) {
   for (std::size_t heading = 0; heading < kHeadings; ++heading) {
     const auto map = parse_room(joined({"###", std::string("#") + marks[heading] + "#", "###"}));
     ASSERT_TRUE(map.has_value()) << map.error().message;
-    EXPECT_EQ(static_cast<std::size_t>(map->uav_heading), heading);
+    EXPECT_EQ(static_cast<std::size_t>(map->starts.front().heading), heading);
   }
+}
+
+TEST(RoomMap, ReadsSeveralStartsAndACharger) {
+  const auto map = parse_room("#####\n#^.C#\n##.v#\n#####\n");
+  ASSERT_TRUE(map.has_value()) << map.error().message;
+  EXPECT_EQ(map->starts, (std::vector<RoomStart>{{6, Heading::up}, {13, Heading::down}}));
+  EXPECT_EQ(map->charger, 8U);
+  EXPECT_EQ(map->cells[8], Cell::free);
+  EXPECT_FALSE(parse_room("###\n#^#\n###\n")->charger.has_value());
 }
 
 TEST(RoomMap, AcceptsBlankLinesAtTheEndAndForeignLineEnds) {
@@ -78,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadRoom{"unknown_character", "#####\n#.^x#\n#####\n", {"line 2, column 4", "'x'", "expected"}},
         BadRoom{"binary", std::string("#####\n#.^\x01#\n#####\n"), {"line 2, column 4", "'\\x01'"}},
         BadRoom{"no_uav", "#####\n#...#\n#####\n", {"no UAV", "^ > v <"}},
-        BadRoom{"two_uavs", "#####\n#^.<#\n#####\n", {"line 2, column 4", "second UAV", "line 2, column 2"}},
+        BadRoom{"two_chargers", "#####\n#^CC#\n#####\n", {"line 2, column 4", "second charger", "line 2, column 3"}},
         BadRoom{"open_top", "##.##\n#.^.#\n#####\n", {"line 1, column 3", "border"}},
         BadRoom{"open_side", "#####\n#.^..\n#####\n", {"line 2, column 5", "border"}},
         BadRoom{"uav_in_the_wall", "#####\n#...#\n##^##\n", {"line 3, column 3", "border"}},
@@ -92,7 +101,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(RoomMap, NeverFailsButWithAMessageOnArbitraryText) {
   std::mt19937_64 random(1);
-  const std::string marks = "###....**^>v<\n\n\r x";
+  const std::string marks = "###....**^>v<C\n\n\r x";
   for (int i = 0; i < 20000; ++i) {
     std::string text;
     const std::size_t length = random() % 60;
@@ -102,7 +111,7 @@ TEST(RoomMap, NeverFailsButWithAMessageOnArbitraryText) {
     const auto map = parse_room(text);
     if (map) {
       EXPECT_EQ(map->cells.size(), map->width * map->height);
-      EXPECT_EQ(map->cells[map->uav_cell], Cell::free);
+      EXPECT_EQ(map->cells[map->starts.front().cell], Cell::free);
     } else {
       EXPECT_FALSE(map.error().message.empty());
     }

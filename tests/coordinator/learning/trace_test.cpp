@@ -40,7 +40,7 @@ void expect_same(const std::vector<Trace>& traces, const std::vector<EpisodeReco
 }
 
 TEST(Trace, OfTreeAndPolicyIsTheEpisodeThatIsScored) {
-  for (const World& world : {testing::world(testing::small_room()), *load_world("windy")}) {
+  for (const World& world : {testing::world(testing::small_room()), *load_world("windy"), *load_world("battery")}) {
     const Case learned = learned_in(world);
     expect_same(*trace_episodes(world, learned.chain, nullptr, kSettings),
                 *simulate_policy(world, learned.chain, kSettings));

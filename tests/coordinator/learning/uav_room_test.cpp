@@ -6,7 +6,7 @@
 #include <set>
 
 #include "common/chain/random.hpp"
-#include "coordinator/learning/default_room.hpp"
+#include "coordinator/learning/rooms.hpp"
 #include "tests/coordinator/learning/rooms.hpp"
 
 namespace coppice {
@@ -120,8 +120,8 @@ TEST(UavRoom, MovesAndTurnsWithTheRewardsOfTheThesis) {
     EXPECT_EQ(outcome.reward, reward);
     EXPECT_FALSE(outcome.collided);
     EXPECT_FALSE(outcome.ended);
-    EXPECT_EQ(uav_room.map().uav_cell, cell);
-    EXPECT_EQ(uav_room.map().uav_heading, heading);
+    EXPECT_EQ(uav_room.cell(), cell);
+    EXPECT_EQ(uav_room.heading(), heading);
   };
   expect(kMove, 0.0, 12, Heading::up);
   expect(kRight, -1.0, 12, Heading::right);
@@ -145,8 +145,8 @@ TEST(UavRoom, ACollisionCostsTenAndTheUavStays) {
     const Outcome outcome = uav_room.step(kMove, random);
     EXPECT_EQ(outcome.reward, -10.0);
     EXPECT_TRUE(outcome.collided);
-    EXPECT_EQ(uav_room.map().uav_cell, 5U);
-    EXPECT_EQ(uav_room.map().uav_heading, Heading::up);
+    EXPECT_EQ(uav_room.cell(), 5U);
+    EXPECT_EQ(uav_room.heading(), Heading::up);
   }
   EXPECT_EQ(random.asked_below, 0U);
 }
@@ -165,7 +165,7 @@ TEST(UavRoom, CollectedTrashComesBackOnEveryFreeCellAlike) {
     EXPECT_EQ(random.asked_below, kFree);
     const RoomMap map = uav_room.map();
     EXPECT_EQ(pieces(map), 3U);
-    EXPECT_EQ(map.cells[map.uav_cell], Cell::free);
+    EXPECT_EQ(map.cells[map.starts.front().cell], Cell::free);
     for (const std::size_t cell : {std::size_t{8}, std::size_t{9}, std::size_t{13}, std::size_t{15}}) {
       if (map.cells[cell] == Cell::trash) {
         places.insert(cell);
@@ -196,13 +196,13 @@ TEST(UavRoom, KeepsItsCodesAndTrashThroughALongWalk) {
       const RoomMap now = uav_room.map();
       ASSERT_EQ(uav_room.code(), UavRoom(now).code()) << "step " << step;
       ASSERT_EQ(pieces(now), pieces(start)) << "step " << step;
-      ASSERT_EQ(now.cells[now.uav_cell], Cell::free) << "step " << step;
+      ASSERT_EQ(now.cells[now.starts.front().cell], Cell::free) << "step " << step;
     }
     EXPECT_GT(collected, 20U);
-    uav_room.reset();
+    uav_room.reset(0);
     EXPECT_EQ(uav_room.map().cells, start.cells);
-    EXPECT_EQ(uav_room.map().uav_cell, start.uav_cell);
-    EXPECT_EQ(uav_room.map().uav_heading, start.uav_heading);
+    EXPECT_EQ(uav_room.cell(), start.starts.front().cell);
+    EXPECT_EQ(uav_room.heading(), start.starts.front().heading);
     EXPECT_EQ(uav_room.code(), UavRoom(start).code());
   }
 }

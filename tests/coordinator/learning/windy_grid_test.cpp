@@ -67,7 +67,7 @@ TEST_F(WindyGridTest, EndsAtTheGoalWithTheGoalsReward) {
   EXPECT_EQ(grid_.place(), WindyGrid::kGoal);
   EXPECT_TRUE(outcome.ended);
   EXPECT_EQ(outcome.reward, 9.0);
-  grid_.reset();
+  grid_.reset(0);
   EXPECT_EQ(grid_.place(), WindyGrid::kStart);
 }
 

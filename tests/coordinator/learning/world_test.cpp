@@ -39,12 +39,33 @@ TEST(World, KnowsTheWindyGrid) {
   EXPECT_EQ(vocabulary_of(*world).actions.size(), 4U);
 }
 
+TEST(World, KnowsTheRoomWithACharger) {
+  const auto world = load_world("battery");
+  ASSERT_TRUE(world.has_value()) << world.error().message;
+  EXPECT_EQ(world->kind, WorldKind::battery);
+  const auto map = parse_room(world->room);
+  ASSERT_TRUE(map.has_value()) << map.error().message;
+  EXPECT_TRUE(map->charger.has_value());
+  EXPECT_EQ(map->starts.size(), 3U);
+  EXPECT_EQ(vocabulary_of(*world).actions.back(), "charge");
+}
+
+TEST_F(WorldFile, WithAChargerHasABatteryAndGoesThroughAStudy) {
+  write("#####\n#^*C#\n#####\n");
+  const auto world = load_world(path_.string());
+  ASSERT_TRUE(world.has_value()) << world.error().message;
+  EXPECT_EQ(world->kind, WorldKind::battery);
+  EXPECT_EQ(make_world(std::string(name_of(world->kind)), world->room).value(), *world);
+  EXPECT_FALSE(make_world("uav", world->room).has_value());
+  EXPECT_FALSE(make_world("battery", "###\n#^#\n###\n").has_value());
+}
+
 TEST_F(WorldFile, IsReadAndGoesThroughAStudy) {
   write(testing::joined(testing::small_room()));
   const auto world = load_world(path_.string());
   ASSERT_TRUE(world.has_value()) << world.error().message;
   EXPECT_EQ(world->room, testing::joined(testing::small_room()));
-  const auto again = make_world(name_of(world->kind), world->room);
+  const auto again = make_world(std::string(name_of(world->kind)), world->room);
   ASSERT_TRUE(again.has_value());
   EXPECT_EQ(*again, *world);
 }

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "common/tree/text.hpp"
-#include "coordinator/learning/default_room.hpp"
 #include "coordinator/learning/learn.hpp"
+#include "coordinator/learning/rooms.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace coppice {

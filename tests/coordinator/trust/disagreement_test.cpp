@@ -117,8 +117,8 @@ TEST(Explain, SettingsOutOfRangeAreRefused) {
   EXPECT_FALSE(check_settings(ExplainSettings{.weighting = Weighting::tree, .steps = 0, .tests = 3, .groups = 5}));
   EXPECT_FALSE(check_settings(ExplainSettings{.weighting = Weighting::tree, .steps = 1, .tests = 0, .groups = 5}));
   EXPECT_FALSE(check_settings(ExplainSettings{.weighting = Weighting::tree, .steps = 1, .tests = 9, .groups = 5}));
-  EXPECT_FALSE(weighting_named("trees"));
-  EXPECT_EQ(*weighting_named("states"), Weighting::states);
+  EXPECT_FALSE(value_named<Weighting>("weighting", "trees"));
+  EXPECT_EQ(*value_named<Weighting>("weighting", "states"), Weighting::states);
 }
 
 }  // namespace

@@ -105,6 +105,24 @@ TEST_F(Evolve, AStudyThatIsRemovedMeanwhileIsAFailure) {
   EXPECT_NE(process.rest_of_error().find("removed or replaced"), std::string::npos);
 }
 
+TEST_F(Evolve, InfoShowsOneRunWhereItIsAskedFor) {
+  for (const char* seed : {"1", "2"}) {
+    ASSERT_EQ(coppice({"evolve", "study.coppice", "--config", "thesis", "--serial", "--seed", seed, "--set",
+                       "ga.generations=2", "--set", "ga.population=10"})
+                  .ending,
+              kDone);
+  }
+  EXPECT_EQ(coppice_json({"info", "study.coppice", "--json"})["runs"].size(), 2U);
+  const auto runs = coppice_json({"info", "study.coppice", "--run", "2", "--json"})["runs"];
+  ASSERT_EQ(runs.size(), 1U);
+  EXPECT_EQ(runs[0]["run"], 2);
+  EXPECT_EQ(runs[0]["seed"], 2);
+  const std::string text = coppice({"info", "study.coppice", "--run", "1"}).output;
+  EXPECT_NE(text.find("run 1 "), std::string::npos) << text;
+  EXPECT_EQ(text.find("run 2 "), std::string::npos) << text;
+  expect_wrong_use({"info", "study.coppice", "--run", "3"}, {"study.coppice", "run 3"});
+}
+
 TEST_F(Evolve, AnInterruptionKeepsTheBestSoFarAndResumeGoesOn) {
   const std::vector<std::string> endless = {
       "evolve", "study.coppice",    "--config",      "thesis", "--serial", "--set", "ga.generations=100000",

@@ -57,12 +57,35 @@ TEST_F(Learn, WrongFlagsAndRoomsLeaveNoFile) {
   EXPECT_EQ(files(), std::vector<std::string>{"bad.room"});
 }
 
-TEST_F(Learn, AnInterruptionLeavesNoFile) {
-  Process process(command({"learn", "-o", "a.coppice", "--episodes", "28000000"}));
-  process.await_blocked(SIGINT);
-  process.signal(SIGINT);
-  EXPECT_EQ(process.wait(), kInterrupted) << process.rest_of_error();
-  EXPECT_TRUE(files().empty());
+TEST_F(Learn, WhatIsInterruptedIsKeptAndResumed) {
+  const auto interrupt = [&](const std::vector<std::string>& arguments) {
+    Process process(command(arguments));
+    process.await_blocked(SIGINT);
+    process.signal(SIGINT);
+    EXPECT_EQ(process.wait(), kInterrupted) << process.rest_of_error();
+    EXPECT_EQ(files(), std::vector<std::string>{"a.coppice.learning"});
+    return read("a.coppice.learning");
+  };
+  const std::string first = interrupt({"learn", "-o", "a.coppice", "--episodes", "28000000"});
+  expect_wrong_use({"learn", "-o", "a.coppice", "--episodes", "10"}, {"a.coppice.learning", "--resume"});
+  expect_wrong_use({"learn", "-o", "a.coppice", "--resume", "--gamma", "0.5"}, {"--resume", "--gamma"});
+  EXPECT_EQ(read("a.coppice.learning"), first);
+  EXPECT_NE(interrupt({"learn", "-o", "a.coppice", "--resume"}), first);
+  std::string damaged = first;
+  damaged[damaged.size() / 2] ^= 1;
+  write("a.coppice.learning", damaged);
+  expect_wrong_use({"learn", "-o", "a.coppice", "--resume"}, {"a.coppice.learning", "damaged"});
+  expect_wrong_use({"learn", "-o", "b.coppice", "--resume"}, {"b.coppice.learning", "interrupted"});
+}
+
+TEST_F(Learn, ABatteryRoomIsLearnedAndEvolvedIn) {
+  ASSERT_EQ(coppice({"learn", "-o", "b.coppice", "--world", "battery", "--episodes", "2000"}).ending, kDone);
+  const auto info = coppice_json({"info", "b.coppice", "--json"});
+  EXPECT_EQ(info["world"], "battery");
+  EXPECT_EQ(info["actions"].back(), "charge");
+  const Completed evolved =
+      coppice({"evolve", "b.coppice", "--serial", "--set", "ga.generations=3", "--set", "ga.population=20"});
+  ASSERT_EQ(evolved.ending, kDone) << evolved.error;
 }
 
 TEST_F(Learn, SynthStartsAStudyThatCanBeEvaluatedButNotScored) {

@@ -1,12 +1,8 @@
 // simplify(): whatever tree it is given, the result is a tree of the vocabulary, not larger, that ticks alike and has
 // nothing left to remove. Reads the corpus of tree_text; the parser's trees have shapes that no random tree has.
-#include <array>
-
-#include "common/chain/random.hpp"
 #include "common/check.hpp"
 #include "common/tree/simplify.hpp"
 #include "common/tree/text.hpp"
-#include "common/tree/tick.hpp"
 #include "tests/fuzz/target.hpp"
 #include "tests/fuzz/words.hpp"
 
@@ -14,25 +10,8 @@ namespace coppice::fuzz {
 namespace {
 
 constexpr std::size_t kMaxNodes = 200;
-constexpr std::size_t kObservations = 64;
-constexpr std::size_t kFeatures = 10;
-
-// Drawn once, the same for all trees.
-std::array<std::array<std::uint8_t, kFeatures>, kObservations> draw_observations() {
-  COPPICE_CHECK(words().features.size() == kFeatures);
-  Xoshiro256 random(1);
-  std::array<std::array<std::uint8_t, kFeatures>, kObservations> observations{};
-  for (auto& observation : observations) {
-    for (std::size_t f = 0; f < kFeatures; ++f) {
-      const auto& values = words().features[f].values;
-      observation[f] = values[random.below(values.size())];
-    }
-  }
-  return observations;
-}
 
 void test(std::string_view text) {
-  static const auto observations = draw_observations();
   const auto tree = parse_tree(text, words());
   accepted = tree.has_value();
   if (!tree || tree->size() > kMaxNodes) {
@@ -46,9 +25,7 @@ void test(std::string_view text) {
     removed += removal.nodes;
   }
   COPPICE_CHECK(simplified.tree.size() + removed == tree->size());
-  for (const auto& observation : observations) {
-    COPPICE_CHECK(tick(simplified.tree, observation) == tick(*tree, observation));
-  }
+  check_ticks_alike(simplified.tree, *tree);
   COPPICE_CHECK(simplify(simplified.tree, words()).removals.empty());
 }
 
