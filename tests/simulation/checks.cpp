@@ -213,7 +213,9 @@ void World::check_failure(const Failure& failure) {
   if (scenario_.own_processes && dispatcher_.processes() == 0) {
     return;
   }
-  if (faults_over_ || (scenario_.faults.empty() && scenario_.lost == 0)) {
+  // What the faults did may be noticed a little after their end.
+  const bool well_for_long = faults_over_ && now_ - faults_over_at_ > 10 * kSecond;
+  if (well_for_long || (scenario_.faults.empty() && scenario_.lost == 0)) {
     broken("fails", "without a reason: " + failure.error.message);
   }
 }
