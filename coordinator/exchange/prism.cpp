@@ -381,6 +381,14 @@ class PrismReader {
                      [](const Entry& a, const Entry& b) { return place(a) < place(b); });
   }
 
+  Result<void> reward_of_nothing(const Entry& entry) const {
+    const std::string choice = is_mdp_ ? fmt::format(", choice {}", entry.choice) : "";
+    return bad_input(
+        fmt::format("{}: a .trew file has a reward from state {}{} to state {}: expected only transitions "
+                    "that are here",
+                    path_, entry.state, choice, entry.successor));
+  }
+
   Result<void> add_rows() {
     sort(entries_);
     ModelRows rows;
@@ -392,8 +400,8 @@ class PrismReader {
       transitions.clear();
       for (; i < entries_.size() && entries_[i].state == first.state && entries_[i].choice == first.choice; ++i) {
         transitions.push_back({entries_[i].successor, entries_[i].number});
-        while (reward != rewards_.end() && place(*reward) < place(entries_[i])) {
-          ++reward;
+        if (reward != rewards_.end() && place(*reward) < place(entries_[i])) {
+          return reward_of_nothing(*reward);
         }
         for (; reward != rewards_.end() && place(*reward) == place(entries_[i]); ++reward) {
           sum += reward->number * entries_[i].number;
@@ -406,6 +414,9 @@ class PrismReader {
     }
     if (model_.action_names.empty()) {
       return bad_input(fmt::format("{}: no transitions", path_));
+    }
+    if (reward != rewards_.end()) {
+      return reward_of_nothing(*reward);
     }
     auto ok = rows.fill(states_, model_.action_names.size(), model_);
     return ok ? ok : in_context(path_, ok.error());

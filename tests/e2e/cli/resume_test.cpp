@@ -19,11 +19,14 @@ class Resume : public EvolvedStudy {
 };
 
 TEST_F(Resume, AfterTheCoordinatorWasKilledAgainAndAgainGivesTheSameResult) {
-  const std::vector<std::string> settings = {"--seed", "4", "--set", "ga.generations=900", "--set", "ga.population=50"};
+  // A pipe holds some 600 lines of progress: so far a coordinator may be ahead of who reads them and kills it, and it
+  // is never resumed behind the next line.
+  const std::vector<std::string> settings = {"--seed",          "4", "--set", "ga.generations=6000", "--set",
+                                             "ga.population=50"};
   const auto expected = serial_runs(settings);
-  kill_at("evolve: 70/900", settings);
-  kill_at("evolve: 200/900", {"--resume"});
-  kill_at("evolve: 400/900", {"--resume"});
+  kill_at("evolve: 70/6000", settings);
+  kill_at("evolve: 2000/6000", {"--resume"});
+  kill_at("evolve: 4000/6000", {"--resume"});
   coppice_json(evolve("study.coppice", {"--resume", "--workers", "1", "--json"}));
   expect_same_runs("study.coppice", expected);
 }
