@@ -158,7 +158,7 @@ test("wrong use is said, and leaves no file", async () => {
     [["report", join(folder, "none.coppice"), "-o", out], "none.coppice", 3],
     [["report", study, "-o", study], "-o"],
     [["report", study, "--tree", "(selector jump)", "-o", out], "jump"],
-    [["report", study, "--run", "99", "-o", out], "99"],
+    [["report", study, "--run", "99", "-o", out], "99", 3],
     [["report", study, "--episodes", "1", "-o", out], "--episodes"],
     [["studio", study, "--port", "70000"], "--port"],
     [["studio", join(folder, "none.coppice")], "none.coppice", 3],
