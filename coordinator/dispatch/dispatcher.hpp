@@ -1,4 +1,4 @@
-// The coordinator's side of dispatch as a deterministic machine: step(events, now) -> actions. It keeps the books
+// The coordinator's side of dispatch as a deterministic machine: step(events, now) -> actions. It keeps the tables
 // (InFlight), the workers (Roster), the requests and their outcomes, and the record of who can be believed, and decides
 // everything: who gets what, who is gone, what is offered twice, what is computed again, when a run must stop. It has
 // no transport, no clock, no thread, no randomness but its seed, and calls nobody: the same events at the same times
@@ -101,7 +101,7 @@ class Dispatcher {
   std::size_t processes() const;
 
  private:
-  using Farewell = InFlight::Farewell;
+  using LossCause = InFlight::LossCause;
 
   // An answer that waits for its sample.
   struct Examination {
@@ -152,7 +152,7 @@ class Dispatcher {
   void reject(const std::string& what, WorkerId source);
   SourceRecord& record_of(WorkerId source);
   void ban(WorkerId worker, const std::string& why);
-  void lose(WorkerId worker, const std::string& why, Farewell farewell);
+  void lose(WorkerId worker, const std::string& why, LossCause cause);
   void lose_silent();
   void lose_hanging();
   void tend();

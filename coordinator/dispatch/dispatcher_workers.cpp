@@ -54,7 +54,7 @@ void Dispatcher::on(HelloHeard& hello) {
     if (const KnownWorker* const worker = roster_.find(hello.worker); worker != nullptr) {
       say(Say::Level::debug, fmt::format("worker {} left", worker->name));
       // A batch may have crossed its farewell: it goes to others at once.
-      const auto loss = flight_.lose_worker(hello.worker, Farewell::left);
+      const auto loss = flight_.lose_worker(hello.worker, LossCause::left);
       statistics_.requeued += loss.batches;
       statistics_.retried += loss.units;
       roster_.let_go(hello.worker);
@@ -147,7 +147,7 @@ void Dispatcher::on(ProcessEnded& ended) {
            entry.second.pid == ended.pid;
   });
   if (worker != workers.end()) {
-    lose(worker->first, ended.in_order ? "ended" : "died", ended.in_order ? Farewell::left : Farewell::died);
+    lose(worker->first, ended.in_order ? "ended" : "died", ended.in_order ? LossCause::left : LossCause::died);
   }
 }
 
@@ -176,15 +176,15 @@ SourceRecord& Dispatcher::record_of(WorkerId source) {
 // A worker that answers nonsense would do so again: its Hellos are not heard any more.
 void Dispatcher::ban(WorkerId worker, const std::string& why) {
   roster_.ban(worker);
-  lose(worker, why, Farewell::left);
+  lose(worker, why, LossCause::left);
 }
 
-void Dispatcher::lose(WorkerId id, const std::string& why, Farewell farewell) {
+void Dispatcher::lose(WorkerId id, const std::string& why, LossCause cause) {
   const KnownWorker* const worker = roster_.find(id);
   if (worker == nullptr) {
     return;
   }
-  const auto loss = flight_.lose_worker(id, farewell);
+  const auto loss = flight_.lose_worker(id, cause);
   ++statistics_.workers_lost;
   statistics_.requeued += loss.batches;
   statistics_.retried += loss.units;
@@ -196,7 +196,7 @@ void Dispatcher::lose(WorkerId id, const std::string& why, Farewell farewell) {
 
 void Dispatcher::lose_silent() {
   for (const WorkerId id : roster_.silent()) {
-    lose(id, "is out of reach", Farewell::unreachable);
+    lose(id, "is out of reach", LossCause::unreachable);
   }
 }
 
@@ -221,7 +221,7 @@ void Dispatcher::lose_hanging() {
     }
   }
   for (const WorkerId id : hanging) {
-    lose(id, "makes no progress", Farewell::left);
+    lose(id, "makes no progress", LossCause::left);
   }
   if (!hanging.empty()) {
     hang_limit_ = std::min<std::chrono::seconds>(hang_limit_ * 2, kLongestHangLimit);

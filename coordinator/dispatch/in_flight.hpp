@@ -84,7 +84,7 @@ class InFlight {
   // REQUIRES: has_worker(worker).
   std::optional<Batch> offer_copy(WorkerId worker, Time now, const Terms& terms);
   // A unit that travels alone needs a worker that holds nothing. While others would fill all of them up again and
-  // again, the one of these that is free first is kept for it. REQUIRES: all are in the books.
+  // again, the one of these that is free first is kept for it. REQUIRES: all are in the in-flight table.
   struct Candidate {
     WorkerId worker{};
     Duration remaining{0};
@@ -135,7 +135,7 @@ class InFlight {
   enum class Reason : std::uint8_t { leaves, lacks_memory };
   bool give_back(BatchId batch, WorkerId worker, Reason reason = Reason::leaves);
 
-  enum class Farewell : std::uint8_t {
+  enum class LossCause : std::uint8_t {
     left,         // in order, or by our own doing
     unreachable,  // nobody knows what became of it
     died,         // its process is known to have ended
@@ -147,7 +147,7 @@ class InFlight {
     std::uint32_t apart = 0;    // of them, to be computed apart now
   };
   // The worker's units wait again, at the front. Answers that still come from it count.
-  Loss lose_worker(WorkerId worker, Farewell farewell);
+  Loss lose_worker(WorkerId worker, LossCause cause);
 
   // All open requests are settled; or this one.
   bool done() const { return unsettled_ == 0; }
@@ -158,7 +158,7 @@ class InFlight {
   std::optional<RequestId> front() const;
   // Deaths counted against a unit. REQUIRES: its request is open.
   std::uint32_t deaths(const Unit& unit) const;
-  // How the books contradict themselves or lose a unit, in words; empty: not at all. For tests: it reads them all.
+  // How the table contradicts itself or loses a unit, in words; empty: not at all. For tests: it reads all of it.
   std::string inconsistency() const;
 
  private:
@@ -213,7 +213,7 @@ class InFlight {
   bool can_be_copied(const Out& out) const;
   void discharge(const Out& out);
   void settle_unit(Request& request, std::uint32_t unit);
-  void suspect(Out& out, Farewell farewell, bool at_work, Loss& loss);
+  void suspect(Out& out, LossCause cause, bool at_work, Loss& loss);
   // Null: closed.
   Request* request_of(const Batch& batch);
   const Request* request_of(const Batch& batch) const;

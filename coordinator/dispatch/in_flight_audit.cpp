@@ -1,4 +1,4 @@
-// The invariant of the books, spelled out.
+// What must always hold of the in-flight table, spelled out.
 #include <fmt/format.h>
 
 #include "coordinator/dispatch/in_flight.hpp"

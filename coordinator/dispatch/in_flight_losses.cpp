@@ -85,29 +85,29 @@ bool InFlight::give_back(BatchId batch, WorkerId worker, Reason reason) {
   return true;
 }
 
-void InFlight::suspect(Out& out, Farewell farewell, bool at_work, Loss& loss) {
-  if (farewell == Farewell::left || (farewell == Farewell::died && !at_work)) {
+void InFlight::suspect(Out& out, LossCause cause, bool at_work, Loss& loss) {
+  if (cause == LossCause::left || (cause == LossCause::died && !at_work)) {
     return;
   }
   if (COPPICE_MUTATED(losses_count_as_deaths)) {
-    farewell = Farewell::died;
+    cause = LossCause::died;
   }
   Request& request = *request_of(out.batch);
-  out.suspected = farewell == Farewell::unreachable;
+  out.suspected = cause == LossCause::unreachable;
   for (std::uint32_t unit = out.batch.first; unit < out.batch.first + out.batch.count; ++unit) {
     if (request.settled[unit]) {
       continue;
     }
     Suspicion& suspicion = request.suspicions[unit];
-    ++(farewell == Farewell::died ? suspicion.deaths : suspicion.losses);
-    loss.suspect += farewell == Farewell::died ? 1 : 0;
+    ++(cause == LossCause::died ? suspicion.deaths : suspicion.losses);
+    loss.suspect += cause == LossCause::died ? 1 : 0;
     if (COPPICE_MUTATED(lost_units_invented) && suspicion.losses >= 5) {
       settle_unit(request, unit);
     }
   }
 }
 
-InFlight::Loss InFlight::lose_worker(WorkerId worker, Farewell farewell) {
+InFlight::Loss InFlight::lose_worker(WorkerId worker, LossCause cause) {
   Loss loss;
   const auto at = workers_.find(worker);
   if (at == workers_.end()) {
@@ -136,7 +136,7 @@ InFlight::Loss InFlight::lose_worker(WorkerId worker, Farewell farewell) {
     doubled_ = true;
     ++loss.batches;
     if (!answered) {
-      suspect(out, farewell, at_work, loss);
+      suspect(out, cause, at_work, loss);
     }
     if (!COPPICE_MUTATED(lost_batches_forgotten)) {
       wait_again(out, loss);

@@ -1,5 +1,5 @@
 // The requests that are open and what is known of each: its outcomes so far, and whose word each of them is. Where its
-// units are is in the books (InFlight). Pure.
+// units are is in the in-flight table (InFlight). Pure.
 #pragma once
 
 #include <chrono>

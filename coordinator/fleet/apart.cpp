@@ -5,21 +5,18 @@
 #include <cstring>
 #include <fmt/format.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "common/chain/bytes.hpp"
 #include "coordinator/fleet/local_workers.hpp"
-
-extern char** environ;
+#include "coordinator/fleet/spawn.hpp"
 
 namespace coppice {
 namespace {
 
 constexpr std::size_t kMostAnswer = std::size_t{64} * 1024 * 1024;
-constexpr int kFirstToClose = 3;
 
 bool send_all(int socket, std::span<const std::uint8_t> bytes) {
   while (!bytes.empty()) {
@@ -48,26 +45,7 @@ std::vector<std::uint8_t> receive_all(int socket) {
 Result<pid_t> spawn(const std::filesystem::path& program, int socket) {
   const std::string name = program.string();
   const std::string parent = std::to_string(getpid());
-  const std::array<const char*, 7> arguments = {name.c_str(),  "--apart", "--parent", parent.c_str(),
-                                                "--log-level", "error",   nullptr};
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, socket, STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, socket, STDOUT_FILENO);
-  posix_spawn_file_actions_addclosefrom_np(&actions, kFirstToClose);
-  pid_t pid = 0;
-  const int error =
-      posix_spawn(&pid, name.c_str(), &actions, &attributes, const_cast<char**>(arguments.data()), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) {
-    return failed(fmt::format("cannot start {}: {}", name, std::strerror(error)));
-  }
-  return pid;
+  return spawn_in_own_group({name.c_str(), "--apart", "--parent", parent.c_str(), "--log-level", "error"}, socket);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ RequestTerms EpochWork::terms() const {
   return {.work = {WorkKind::evolve, individuals}, .most_per_batch = 1, .expected = 1};
 }
 
-std::uint32_t EpochWork::see_portion() { return std::exchange(seen_, true) ? 0 : 1; }
+std::uint32_t EpochWork::look_up_portion() { return std::exchange(seen_, true) ? 0 : 1; }
 
 std::vector<std::uint8_t> EpochWork::encode(std::uint32_t, std::uint32_t) const {
   return wire::encode_epoch_task(*configuration_, task_);

@@ -29,7 +29,7 @@ class EpochWork : public RequestWork {
             EpochTask task, const Here& here);
 
   RequestTerms terms() const override;
-  std::uint32_t see_portion() override;
+  std::uint32_t look_up_portion() override;
   bool all_seen() const override { return seen_; }
   std::vector<std::uint8_t> encode(std::uint32_t first, std::uint32_t count) const override;
   Result<std::vector<UnitOutcome>> decode(std::span<const std::uint8_t> payload, std::uint32_t first,

@@ -45,7 +45,7 @@ RequestTerms EvaluationWork::terms() const {
       .work = class_of(job_), .most_per_batch = most_per_task_, .expected = static_cast<std::uint32_t>(trees_.size())};
 }
 
-std::uint32_t EvaluationWork::see_portion() {
+std::uint32_t EvaluationWork::look_up_portion() {
   const std::size_t before = sent_.size();
   const auto all = static_cast<std::uint32_t>(trees_.size());
   if (!seek_repeats_) {

@@ -33,7 +33,7 @@ class EvaluationWork : public RequestWork {
   static WorkClass class_of(const Job& job) { return {WorkKind::evaluate, tally_steps(job)}; }
 
   RequestTerms terms() const override;
-  std::uint32_t see_portion() override;
+  std::uint32_t look_up_portion() override;
   bool all_seen() const override { return seen_ == trees_.size(); }
   std::vector<std::uint8_t> encode(std::uint32_t first, std::uint32_t count) const override;
   Result<std::vector<UnitOutcome>> decode(std::span<const std::uint8_t> payload, std::uint32_t first,

@@ -215,13 +215,13 @@ RequestId Fleet::submit(std::unique_ptr<RequestWork> work) {
   return id;
 }
 
-void Fleet::see_portions() {
+void Fleet::look_up_portions() {
   for (auto& [id, work] : works_) {
     if (dispatcher_.requests().at(id).sealed) {
       continue;
     }
     if (!work->all_seen()) {
-      dispatcher_.add(id, work->see_portion());
+      dispatcher_.add(id, work->look_up_portion());
     }
     if (work->all_seen()) {
       dispatcher_.seal(id);
@@ -289,7 +289,7 @@ Result<void> Fleet::act() {
     return interrupted();
   }
   listen();
-  see_portions();
+  look_up_portions();
   for (int step = 0; step < kMostSteps; ++step) {
     std::vector<DispatchEvent> events = std::exchange(events_, {});
     Actions actions = dispatcher_.step(events, Clock::now());

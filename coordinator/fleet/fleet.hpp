@@ -132,7 +132,7 @@ class Fleet {
   void decode(const wire::Answer& answer, AnswerHeard& heard) const;
   void look_at_links();
   bool is_ours(std::uint32_t protocol, std::uint64_t run_id, const coppice_wire_ChainId& chain) const;
-  void see_portions();
+  void look_up_portions();
 
   // Actions. Errors: interrupted.
   Result<void> perform(Actions& actions);

@@ -6,20 +6,19 @@
 #include <cstring>
 #include <fmt/format.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sstream>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
+#include <utility>
 
-extern char** environ;
+#include "coordinator/fleet/spawn.hpp"
 
 namespace coppice {
 namespace {
 
 constexpr std::chrono::milliseconds kPatienceAtEnd{1500};
 constexpr std::chrono::milliseconds kReapInterval{2};
-constexpr int kFirstOfOurDescriptors = 3;
 
 std::string how_it_ended(int status) {
   if (WIFSIGNALED(status)) {
@@ -39,24 +38,7 @@ Result<pid_t> LocalWorkers::spawn(const Flags& flags) const {
   for (const std::string& flag : flags) {
     arguments.push_back(flag.c_str());
   }
-  arguments.push_back(nullptr);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  // Our DDS sockets stay ours: a worker that outlives us must not keep the coordinator's port.
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addclosefrom_np(&actions, kFirstOfOurDescriptors);
-  pid_t pid = 0;
-  const int error =
-      posix_spawn(&pid, program.c_str(), &actions, &attributes, const_cast<char**>(arguments.data()), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) {
-    return failed(fmt::format("cannot start {}: {}", program, std::strerror(error)));
-  }
-  return pid;
+  return spawn_in_own_group(std::move(arguments));
 }
 
 Result<void> LocalWorkers::check(const std::filesystem::path& program) {

@@ -23,7 +23,7 @@ class RequestWork {
 
   virtual RequestTerms terms() const = 0;
   // Looks at the next portion. Returns how many units there are more.
-  virtual std::uint32_t see_portion() = 0;
+  virtual std::uint32_t look_up_portion() = 0;
   virtual bool all_seen() const = 0;
 
   // The payload of a task with these units. REQUIRES: count <= terms().most_per_batch, but 1 always fits.

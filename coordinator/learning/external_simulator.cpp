@@ -169,19 +169,28 @@ Result<std::string> ExternalSimulator::ask(const std::string& request) {
   return line;
 }
 
-Result<std::vector<std::vector<double>>> ExternalSimulator::reset(std::span<const std::uint32_t> places,
-                                                                  std::span<const std::uint64_t> seeds) {
-  const SimulatorJson request = {{"id", ++id_}, {"reset", places}, {"seeds", seeds}};
-  const Result<std::string> line = ask(request.dump());
+Result<std::string> ExternalSimulator::answer_to(const nlohmann::json& request, nlohmann::json& answer) {
+  Result<std::string> line = ask(request.dump());
   if (!line) {
-    return tl::unexpected(line.error());
+    return line;
   }
-  const SimulatorJson answer = SimulatorJson::parse(*line, nullptr, false);
+  answer = SimulatorJson::parse(*line, nullptr, false);
   if (!answer.is_object() || member(answer, "id") != id_) {
     return wrong(fmt::format("expected an answer with \"id\": {}", id_), *line);
   }
   if (const SimulatorJson& error = member(answer, "error"); error.is_string()) {
     return wrong("an error", error.get<std::string>());
+  }
+  return line;
+}
+
+Result<std::vector<std::vector<double>>> ExternalSimulator::reset(std::span<const std::uint32_t> places,
+                                                                  std::span<const std::uint64_t> seeds) {
+  const SimulatorJson request = {{"id", ++id_}, {"reset", places}, {"seeds", seeds}};
+  SimulatorJson answer;
+  const Result<std::string> line = answer_to(request, answer);
+  if (!line) {
+    return tl::unexpected(line.error());
   }
   auto observations = observations_of(member(answer, "observations"), places.size(), features_);
   if (!observations) {
@@ -198,16 +207,10 @@ Result<std::vector<ExternalSimulator::Step>> ExternalSimulator::step(std::span<c
     indices.push_back(index_of(action));
   }
   const SimulatorJson request = {{"id", ++id_}, {"step", places}, {"actions", indices}};
-  const Result<std::string> line = ask(request.dump());
+  SimulatorJson answer;
+  const Result<std::string> line = answer_to(request, answer);
   if (!line) {
     return tl::unexpected(line.error());
-  }
-  const SimulatorJson answer = SimulatorJson::parse(*line, nullptr, false);
-  if (!answer.is_object() || member(answer, "id") != id_) {
-    return wrong(fmt::format("expected an answer with \"id\": {}", id_), *line);
-  }
-  if (const SimulatorJson& error = member(answer, "error"); error.is_string()) {
-    return wrong("an error", error.get<std::string>());
   }
   auto observations = observations_of(member(answer, "observations"), places.size(), features_);
   const auto rewards = numbers_of(member(answer, "rewards"), places.size());

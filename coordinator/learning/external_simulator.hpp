@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -49,6 +50,8 @@ class ExternalSimulator {
       : child_(std::move(child)), command_(std::move(command)), features_(features) {}
 
   Result<std::string> ask(const std::string& request);
+  // The line that answers request number id_, and what it says: an object of that number that reports no error.
+  Result<std::string> answer_to(const nlohmann::json& request, nlohmann::json& answer);
   tl::unexpected<Error> wrong(const std::string& what, const std::string& line);
 
   ChildProcess child_;

@@ -140,15 +140,13 @@ class Study {
   // it ran on another host (its state cannot be seen from here), unless take_over says that the user knows better.
   Result<ResumedRun> resume_run(RunId run, bool take_over = false);
 
-  // One transaction: the statistics row and the checkpoint, which replaces the one before.
-  // REQUIRES: the run is this process's, record.generation == checkpoint.generation.
+  // One transaction: the statistics rows and the checkpoint, which replaces the one before.
+  // REQUIRES: the run is this process's; at least one record, in their order; the last is the checkpoint's generation.
   // Error, also of finish_run(): the path leads to another file by now, or to none.
-  Result<void> save_generation(RunId run, const GenerationRecord& record, const Checkpoint& checkpoint);
-  // The same for several, the last of which is the checkpoint's. REQUIRES: at least one, in their order.
   Result<void> save_generations(RunId run, std::span<const GenerationRecord> records, const Checkpoint& checkpoint);
 
   // Back to a checkpoint of this run, or before the first generation: what came after is forgotten, in one
-  // transaction. REQUIRES: as save_generation().
+  // transaction. REQUIRES: as save_generations().
   Result<void> rewind_run(RunId run, const std::optional<Checkpoint>& to);
 
   Result<void> finish_run(RunId run, const RunOutcome& outcome);

@@ -128,10 +128,6 @@ Result<ResumedRun> Study::resume_run(RunId run, bool take_over) {
   });
 }
 
-Result<void> Study::save_generation(RunId run, const GenerationRecord& record, const Checkpoint& checkpoint) {
-  return save_generations(run, {&record, 1}, checkpoint);
-}
-
 Result<void> Study::save_generations(RunId run, std::span<const GenerationRecord> records,
                                      const Checkpoint& checkpoint) {
   COPPICE_CHECK(!records.empty() && records.back().generation == checkpoint.generation);

@@ -101,7 +101,7 @@ void World::check_step(const DispatchStatistics& before) {
         broken("names", "somebody else is known under a worker's name");
       }
       if (links_.count(id) == 0 || !flight.has_worker(id)) {
-        broken("links", "a worker that is known has no link, or is not in the books");
+        broken("links", "a worker that is known has no link, or is not in the in-flight table");
       }
     }
     if (links_.size() != dispatcher_.roster().all().size() || flight.workers() != links_.size()) {

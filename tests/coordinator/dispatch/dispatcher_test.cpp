@@ -283,16 +283,16 @@ TEST_F(Dispatching, ForgetsSuspicionsWithTheRequestsThatWereAbandoned) {
 TEST_F(Dispatching, LetsNobodySayFarewellInAWorkersName) {
   start();
   come(1);
-  HelloHeard farewell = hello(1);
-  farewell.leaving = true;
-  farewell.origin = origin_of(99);
-  step({farewell});
-  farewell.origin.reset();  // its writer is gone
-  step({farewell});
+  HelloHeard cause = hello(1);
+  cause.leaving = true;
+  cause.origin = origin_of(99);
+  step({cause});
+  cause.origin.reset();  // its writer is gone
+  step({cause});
   EXPECT_EQ(statistics().workers_alive, 1U);
   EXPECT_EQ(statistics().rejected, 2U);
-  farewell.origin = origin_of(1);
-  step({farewell});
+  cause.origin = origin_of(1);
+  step({cause});
   EXPECT_EQ(statistics().workers_alive, 0U);
   EXPECT_EQ(statistics().workers_lost, 0U) << "it left in order";
 }

@@ -13,7 +13,7 @@ namespace coppice {
 namespace {
 
 using namespace std::chrono_literals;
-using Farewell = InFlight::Farewell;
+using LossCause = InFlight::LossCause;
 using Settled = InFlight::Settled;
 
 constexpr WorkerId kAnn{1};
@@ -72,7 +72,7 @@ TEST(InFlight, BlamesNoUnitsThatADyingWorkerHadAnswered) {
   const auto first = flight.offer(kAnn, 4, kStart, {.patience = 1s});
   const auto second = flight.offer(kAnn, 3, kStart, {.patience = 1s});
   flight.answered(first->id, kAnn);
-  EXPECT_EQ(flight.lose_worker(kAnn, Farewell::died).suspect, 3U) << "it was at the second";
+  EXPECT_EQ(flight.lose_worker(kAnn, LossCause::died).suspect, 3U) << "it was at the second";
   EXPECT_EQ(flight.deaths({first->request, first->first}), 0U);
   EXPECT_EQ(flight.deaths({second->request, second->first}), 1U);
   EXPECT_EQ(flight.settle(first->id, kAnn, kStart).fresh.size(), 4U);
@@ -93,7 +93,7 @@ TEST(InFlight, OffersALostWorkersUnitsFirst) {
   InFlight flight = two_workers();
   begin(flight, 10);
   flight.offer(kAnn, 4, kStart, {.patience = 1s});
-  const auto loss = flight.lose_worker(kAnn, Farewell::died);
+  const auto loss = flight.lose_worker(kAnn, LossCause::died);
   EXPECT_EQ(loss.batches, 1U);
   EXPECT_EQ(loss.units, 4U);
   EXPECT_EQ(loss.apart, 0U);
@@ -107,7 +107,7 @@ TEST(InFlight, TakesALateAnswerOfALostWorker) {
   InFlight flight = two_workers();
   begin(flight, 4);
   const auto batch = flight.offer(kAnn, 4, kStart, {.patience = 1s});
-  flight.lose_worker(kAnn, Farewell::died);
+  flight.lose_worker(kAnn, LossCause::died);
   EXPECT_EQ(flight.settle(batch->id, kAnn, kStart).fresh.size(), 4U);
   EXPECT_TRUE(flight.done());
   EXPECT_EQ(flight.waiting(), 0U);
@@ -164,7 +164,7 @@ TEST(InFlight, SendsAUnitAtWhichWorkersDiedAloneAndThenKeepsItToBeComputedApart)
     if (death == 3) {
       EXPECT_FALSE(flight.can_take(worker)) << "an isolated unit travels with nothing beside it";
     }
-    const auto loss = flight.lose_worker(worker, Farewell::died);
+    const auto loss = flight.lose_worker(worker, LossCause::died);
     EXPECT_EQ(loss.apart, death == 3 ? 1U : 0U);
     EXPECT_EQ(loss.suspect, batch->count);
   }
@@ -187,7 +187,7 @@ TEST(InFlight, CountsADeathAgainstWhatItsWorkerWasAtWorkOnAlone) {
   for (int i = 0; i < 4; ++i) {
     ASSERT_TRUE(flight.offer(kAnn, 1, kStart, {.patience = 1s}));
   }
-  EXPECT_EQ(flight.lose_worker(kAnn, Farewell::died).suspect, 2U);
+  EXPECT_EQ(flight.lose_worker(kAnn, LossCause::died).suspect, 2U);
   EXPECT_EQ(flight.deaths({request, 1}), 1U);
   EXPECT_EQ(flight.deaths({request, 2}), 0U) << "it waited for a lane";
 }
@@ -203,7 +203,7 @@ TEST(InFlight, CountsNoDeathWhenWorkersGoOutOfReachInTurn) {
       if (apart == 0) {
         ASSERT_TRUE(flight.offer(WorkerId{worker}, 1, kStart, {.patience = 1s}));
       }
-      apart += flight.lose_worker(WorkerId{worker}, Farewell::unreachable).apart;
+      apart += flight.lose_worker(WorkerId{worker}, LossCause::unreachable).apart;
     }
     EXPECT_EQ(flight.deaths({request, 0}), 0U);
     EXPECT_EQ(apart, workers >= 8 ? 1U : 0U) << workers << ": the coordinator computes it, once";
@@ -223,7 +223,7 @@ TEST(InFlight, LetsNoIsolatedUnitStarveBehindOtherRequests) {
   while (const auto batch = flight.offer(kBen, 10, kStart, {.patience = 1s})) {
     of_ben.push_back(*batch);
   }
-  flight.lose_worker(kAnn, Farewell::died);
+  flight.lose_worker(kAnn, LossCause::died);
   ASSERT_TRUE(flight.isolated_waits());
   bool sent = false;
   for (int i = 0; i < 10 && !sent; ++i) {
@@ -257,7 +257,7 @@ TEST(InFlight, ClearsTheUnitsOfALostWorkerThatComesBack) {
   for (int glitch = 0; glitch < 10; ++glitch) {
     flight.add_worker(kAnn);
     ASSERT_TRUE(flight.offer(kAnn, 1, kStart, {.patience = 1s}));
-    ASSERT_EQ(flight.lose_worker(kAnn, Farewell::unreachable).apart, 0U);
+    ASSERT_EQ(flight.lose_worker(kAnn, LossCause::unreachable).apart, 0U);
   }
   EXPECT_EQ(flight.unsettled(), 1U);
 }
@@ -294,7 +294,7 @@ TEST(InFlight, DoesNotSuspectTheUnitsOfAWorkerThatLeft) {
   for (std::uint64_t w = 1; w <= 10; ++w) {
     flight.add_worker(WorkerId{w});
     ASSERT_TRUE(flight.offer(WorkerId{w}, 1, kStart, {.patience = 1s}));
-    EXPECT_EQ(flight.lose_worker(WorkerId{w}, Farewell::left).apart, 0U);
+    EXPECT_EQ(flight.lose_worker(WorkerId{w}, LossCause::left).apart, 0U);
   }
   EXPECT_EQ(flight.unsettled(), 1U);
 }
@@ -328,7 +328,7 @@ TEST(InFlight, ServesSeveralRequestsInOrderAndSettlesEachByItself) {
   EXPECT_TRUE(flight.done(second));
   EXPECT_FALSE(flight.done(first));
   flight.close(second);
-  const auto loss = flight.lose_worker(kAnn, Farewell::died);
+  const auto loss = flight.lose_worker(kAnn, LossCause::died);
   EXPECT_EQ(loss.batches, 1U);
   EXPECT_EQ(flight.front(), first);
   EXPECT_EQ(flight.waiting(), 3U);
@@ -369,7 +369,7 @@ TEST(InFlight, SettlesEveryUnitExactlyOnceUnderRandomFaults) {
       }
       const WorkerId worker = *std::next(alive.begin(), static_cast<std::ptrdiff_t>(random.below(alive.size())));
       if (kind < 6) {
-        flight.lose_worker(worker, static_cast<Farewell>(random.below(3)));
+        flight.lose_worker(worker, static_cast<LossCause>(random.below(3)));
         alive.erase(worker);  // its answers may still come
       } else if (kind < 50) {
         if (const auto apart = flight.offer_apart(now)) {

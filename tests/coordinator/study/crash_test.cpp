@@ -247,7 +247,7 @@ TEST_F(DiskFullTest, AGenerationThatDoesNotFitIsAnErrorAndTheStudyStaysWhole) {
     Study study = Study::open(path_).value();
     const RunId id = study.begin_run({config(), "serial"}).value();
     Checkpoint checkpoint{0, std::vector<Tree>(100, Tree(ActionId{0})), std::vector<double>(100, 0.5), {}};
-    if (!study.save_generation(id, {}, checkpoint)) {
+    if (!study.save_generations(id, std::vector<GenerationRecord>(1), checkpoint)) {
       return 1;
     }
     report(0);
@@ -255,7 +255,7 @@ TEST_F(DiskFullTest, AGenerationThatDoesNotFitIsAnErrorAndTheStudyStaysWhole) {
     checkpoint.generation = 1;
     GenerationRecord record;
     record.generation = 1;
-    const auto ok = study.save_generation(id, record, checkpoint);
+    const auto ok = study.save_generations(id, {&record, 1}, checkpoint);
     return !ok && ok.error().kind == ErrorKind::failed && ok.error().message.rfind(path_ + ": ", 0) == 0 ? 0 : 2;
   });
   ASSERT_TRUE(child.next_report().has_value());

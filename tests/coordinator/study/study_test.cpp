@@ -114,7 +114,7 @@ TEST_F(StudyTest, ACheckpointComesBackBitForBit) {
   GenerationRecord record;
   record.best = {tree_of("right"), 0, 1.0 / 3.0, 0.1};
   enter(record.best, checkpoint.hall_of_fame);
-  ASSERT_TRUE(study.save_generation(id, record, checkpoint).has_value());
+  ASSERT_TRUE(study.save_generations(id, {&record, 1}, checkpoint).has_value());
   const Study again = reopen(std::move(study));
   EXPECT_EQ(again.load_checkpoint(id).value(), checkpoint);
   EXPECT_EQ(again.best_tree(id).value(), tree_of("right"));
@@ -167,9 +167,9 @@ TEST_F(StudyTest, SavesAGenerationOnce) {
   Study study = make();
   const RunId id = study.begin_run({config(), "serial"}).value();
   Checkpoint checkpoint{0, {tree_of("move")}, {0.5}, {}};
-  ASSERT_TRUE(study.save_generation(id, {}, checkpoint).has_value());
+  ASSERT_TRUE(study.save_generations(id, std::vector<GenerationRecord>(1), checkpoint).has_value());
   checkpoint.fitness = {0.75};
-  const auto second = study.save_generation(id, {}, checkpoint);
+  const auto second = study.save_generations(id, std::vector<GenerationRecord>(1), checkpoint);
   ASSERT_FALSE(second.has_value());
   EXPECT_EQ(second.error().message.rfind(path_ + ": ", 0), 0U);
   EXPECT_EQ(study.load_checkpoint(id).value()->fitness, std::vector<double>{0.5}) << "half of a transaction was kept";
@@ -183,7 +183,7 @@ TEST_F(StudyTest, GoesBackToACheckpoint) {
     Checkpoint checkpoint{generation, {tree_of("move")}, {0.5 + generation}, {}};
     GenerationRecord record{.generation = generation, .best = {tree_of("move"), 0, 0.5, 0.25}};
     enter(record.best, checkpoint.hall_of_fame);
-    EXPECT_TRUE(study.save_generation(run, record, checkpoint).has_value());
+    EXPECT_TRUE(study.save_generations(run, {&record, 1}, checkpoint).has_value());
     return checkpoint;
   };
   save(other, 0);

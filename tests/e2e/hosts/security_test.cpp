@@ -37,7 +37,7 @@ class Security : public RemoteStudy {
     return result;
   }
 
-  // stranger.cpp; it knocks at the coordinator and at the worker that has this port.
+  // stranger.cpp; it tries to join at the coordinator, and at the worker that has this port.
   static constexpr const char* kWorkerPort = "17520";
   Command usurper(const std::string& identity, const std::string& rules) const {
     return {.program = COPPICE_STRANGER,
