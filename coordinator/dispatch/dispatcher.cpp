@@ -34,7 +34,11 @@ RequestId Dispatcher::open(const RequestTerms& terms, Time now) {
     hang_limit_ = kFirstHangLimit;
     without_worker_since_.reset();
     for (auto& [id, worker] : roster_.all()) {
-      worker.pace.doubt();
+      // Who is at work will tell by its answer. Demes open requests all the time: if each counted against those that
+      // have a long epoch in hand, they would be taken for quick, their epochs for overdue, and be computed twice.
+      if (flight_.load(id) == 0) {
+        worker.pace.doubt(now);
+      }
     }
   }
   ++begun_;
@@ -42,7 +46,7 @@ RequestId Dispatcher::open(const RequestTerms& terms, Time now) {
   OpenRequest& request = requests_[id];
   request.terms = terms;
   request.begun = now;
-  flight_.open(id, terms.most_per_batch);
+  flight_.open(id, terms.most_per_batch, terms.work);
   return id;
 }
 

@@ -141,6 +141,7 @@ class Dispatcher {
   std::vector<std::uint32_t> differing(const AnswerHeard& answer, const Batch& batch);
   void examine(AnswerHeard& answer, const Batch& batch, std::vector<std::uint32_t> sample);
   void settle(AnswerHeard& answer, const Batch& batch, const std::vector<std::uint32_t>& checked, Time heard);
+  void learn_pace(const AnswerHeard& answer, const InFlight::Found& out, Time heard);
   void finish(Examination& examination, Computed& computed);
   void finish(Redo& redo, Computed& computed);
   void finish(AtHome& home, Computed& computed);

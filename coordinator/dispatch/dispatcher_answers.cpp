@@ -71,6 +71,9 @@ void Dispatcher::on_computed_answer(AnswerHeard& answer) {
   statistics_.busy_ns += static_cast<std::uint64_t>(std::max<std::int64_t>(answer.elapsed.count(), 0));
   const auto out = flight_.find(answer.batch, answer.worker);
   if (!out || !out->current) {
+    if (out) {
+      learn_pace(answer, *out, now_);
+    }
     flight_.settle(answer.batch, answer.worker, now_);  // of a request that is closed: frees the worker's credit
     ++statistics_.duplicates;
     return;
@@ -118,6 +121,9 @@ void Dispatcher::examine(AnswerHeard& answer, const Batch& batch, std::vector<st
 void Dispatcher::settle(AnswerHeard& answer, const Batch& batch, const std::vector<std::uint32_t>& checked,
                         Time heard) {
   const auto out = flight_.find(answer.batch, answer.worker);
+  if (out) {
+    learn_pace(answer, *out, heard);
+  }
   const auto settlement = flight_.settle(answer.batch, answer.worker, now_);
   if (settlement.fresh.empty()) {
     ++statistics_.duplicates;
@@ -134,10 +140,13 @@ void Dispatcher::settle(AnswerHeard& answer, const Batch& batch, const std::vect
     unchecked += looked_at ? 0 : 1;
   }
   cross_check_.took_unchecked(answer.worker, unchecked);
+}
+
+// Who was overtaken by a copy is the very one that must be known to be slow, or it would be given the next epoch too.
+void Dispatcher::learn_pace(const AnswerHeard& answer, const InFlight::Found& out, Time heard) {
   if (KnownWorker* const worker = roster_.find(answer.worker); worker != nullptr) {
     // No longer than it was away, whatever it says.
-    worker->pace.add(std::min<std::chrono::nanoseconds>(answer.elapsed, heard - out->sent), batch.count,
-                     request.terms.work);
+    worker->pace.add(std::min<std::chrono::nanoseconds>(answer.elapsed, heard - out.sent), out.batch.count, out.work);
   }
 }
 

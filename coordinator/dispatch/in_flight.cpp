@@ -8,12 +8,13 @@
 
 namespace coppice {
 
-void InFlight::open(RequestId id, std::uint32_t most_per_batch) {
+void InFlight::open(RequestId id, std::uint32_t most_per_batch, const WorkClass& work) {
   COPPICE_CHECK(most_per_batch >= 1);
   doubled_ = doubled_ && !done();
   const auto [request, fresh] = requests_.try_emplace(id);
   COPPICE_CHECK(fresh);
   request->second.most_per_batch = most_per_batch;
+  request->second.work = work;
 }
 
 void InFlight::add(RequestId id, std::uint32_t units) {
@@ -157,7 +158,7 @@ std::optional<InFlight::Found> InFlight::find(BatchId batch, WorkerId worker) co
   if (found == out_.end() || found->second.worker != worker) {
     return std::nullopt;
   }
-  return Found{found->second.batch, request_of(found->second.batch) != nullptr, found->second.sent};
+  return Found{found->second.batch, request_of(found->second.batch) != nullptr, found->second.sent, found->second.work};
 }
 
 void InFlight::answered(BatchId batch, WorkerId worker) {

@@ -48,8 +48,9 @@ class InFlight {
 
   explicit InFlight(const InFlightLimits& limits) : limits_(limits) {}
 
-  // A request without units; a batch holds at most so many of them. REQUIRES: never opened before; most_per_batch >= 1.
-  void open(RequestId request, std::uint32_t most_per_batch = ~std::uint32_t{0});
+  // A request without units, of that class; a batch holds at most so many of them. REQUIRES: never opened before;
+  // most_per_batch >= 1.
+  void open(RequestId request, std::uint32_t most_per_batch = ~std::uint32_t{0}, const WorkClass& work = {});
   // So many more units of it, after those it has. REQUIRES: open.
   void add(RequestId request, std::uint32_t units);
   // Forgets a request, settled or not. What is still out of it stays charged to its worker until answered.
@@ -124,6 +125,7 @@ class InFlight {
     Batch batch;
     bool current = false;
     Time sent;
+    WorkClass work;
   };
   std::optional<Found> find(BatchId batch, WorkerId worker) const;
   // The worker has answered it, and the answer is being looked at: whatever becomes of the worker now, it does not
@@ -172,6 +174,7 @@ class InFlight {
     std::map<std::uint32_t, Suspicion> suspicions;  // of units with any
     std::uint32_t unsettled = 0;
     std::uint32_t most_per_batch = 1;
+    WorkClass work;
   };
   struct Range {
     RequestId request{};
@@ -181,6 +184,7 @@ class InFlight {
   };
   struct Out {
     Batch batch;
+    WorkClass work;  // known after its request is closed
     WorkerId worker{};
     Time sent;
     Time due;

@@ -87,6 +87,7 @@ Batch InFlight::send(Worker& worker, WorkerId id, const Range& range, Time now, 
   const Batch batch{BatchId{next_batch_++}, range.request, range.first, range.count};
   Out out;
   out.batch = batch;
+  out.work = requests_.at(range.request).work;
   out.worker = id;
   out.sent = now;
   out.due = now + terms.patience;

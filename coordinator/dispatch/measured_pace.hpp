@@ -16,6 +16,7 @@ class MeasuredPace {
  public:
   static constexpr double kMemory = 50.0;  // units
   static constexpr double kDoubt = 0.7;    // what remains of the cost after a request without an answer
+  static constexpr int kDoubtEvery = 4;    // units
 
   static constexpr std::size_t kClasses = 16;  // the classes of work that were met last
 
@@ -33,10 +34,17 @@ class MeasuredPace {
     met->weight += count;
     confirmed_ = true;
   }
-  // More is asked for: what was measured before is doubted unless an answer came since the last time.
-  void doubt() {
+  // More is asked for, and the worker has nothing to do: what was measured before is doubted unless an answer came
+  // since the last time, and no more often than kDoubtEvery units are thought to take, however many requests are
+  // opened. The next answer then counts alone.
+  void doubt(std::chrono::steady_clock::time_point now) {
+    if (now - doubted_ < kDoubtEvery * slowest()) {
+      return;
+    }
+    doubted_ = now;
     for (Met& met : met_) {
       met.each *= confirmed_ ? 1.0 : kDoubt;
+      met.weight *= confirmed_ ? 1.0 : 0.0;
     }
     confirmed_ = false;
   }
@@ -52,12 +60,20 @@ class MeasuredPace {
     double each = 0.0;    // nanoseconds
     double weight = 0.0;  // units
   };
+  std::chrono::nanoseconds slowest() const {
+    double each = 0.0;
+    for (const Met& met : met_) {
+      each = std::max(each, met.each);
+    }
+    return std::chrono::nanoseconds(static_cast<std::int64_t>(each));
+  }
   std::vector<Met>::iterator find(const WorkClass& work) {
     return std::find_if(met_.begin(), met_.end(), [&](const Met& at) { return at.work == work; });
   }
 
   std::vector<Met> met_;
   bool confirmed_ = true;
+  std::chrono::steady_clock::time_point doubted_{};
 };
 
 }  // namespace coppice

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
 #include <tuple>
 
 #include "common/check.hpp"
@@ -27,8 +28,8 @@ InFlight::Terms terms_for(const ReadyWorker& worker, std::uint32_t backlog, std:
   return {.patience = std::max<std::chrono::nanoseconds>(kShortestPatience, patience), .each = worker.pace.each};
 }
 
-FleetPace fleet_pace(const InFlight& flight, std::span<const ReadyWorker> workers, InFlight::Time now) {
-  const auto late = flight.late(now);
+FleetPace fleet_pace(const InFlight& flight, std::span<const ReadyWorker> workers, const std::set<WorkerId>& late,
+                     InFlight::Time now) {
   FleetPace fleet;
   for (const ReadyWorker& worker : workers) {
     if (late.count(worker.id) == 0) {
@@ -43,11 +44,13 @@ struct Offer {
   std::chrono::nanoseconds remaining{0};
   std::size_t load = 0;
   std::uint32_t units = 0;
+  bool late = false;
 };
 
-// To whom the next batch should go: of those that would be done in time with one more, the first to be free.
+// To whom the next batch should go: of those that would be done in time with one more, the first to be free. Who should
+// have answered already may never do so: it is the last to be asked.
 Offer next_offer(const InFlight& flight, std::span<const ReadyWorker> workers, const FleetPace& fleet,
-                 InFlight::Time now, double end) {
+                 const std::set<WorkerId>& late, InFlight::Time now, double end) {
   Offer next;
   for (const ReadyWorker& worker : workers) {
     if (!flight.can_take(worker.id)) {
@@ -55,7 +58,9 @@ Offer next_offer(const InFlight& flight, std::span<const ReadyWorker> workers, c
     }
     const auto remaining = flight.remaining(worker.id, now, worker.pace.each);
     const std::size_t load = flight.load(worker.id);
-    if (next.worker != nullptr && std::tie(remaining, load) >= std::tie(next.remaining, next.load)) {
+    const bool is_late = late.count(worker.id) != 0;
+    if (next.worker != nullptr &&
+        std::tie(is_late, remaining, load) >= std::tie(next.late, next.remaining, next.load)) {
       continue;
     }
     const std::uint32_t units = batch_size({.waiting = flight.waiting(),
@@ -64,7 +69,7 @@ Offer next_offer(const InFlight& flight, std::span<const ReadyWorker> workers, c
                                             .worker = worker.pace,
                                             .remaining = remaining});
     if (units > 0) {
-      next = {&worker, remaining, load, units};
+      next = {&worker, remaining, load, units, is_late};
     }
   }
   return next;
@@ -84,11 +89,12 @@ std::vector<Assignment> next_assignments(InFlight& flight, std::span<const Ready
     flight.keep_one_free(candidates);
   }
   if (flight.waiting() > 0) {
-    const FleetPace fleet = fleet_pace(flight, workers, now);
+    const auto late = flight.late(now);
+    const FleetPace fleet = fleet_pace(flight, workers, late, now);
     // Stays as it is while units move from waiting to pending.
     const double end = fleet.known() ? fleet.end(flight.waiting() + coming) : 0.0;
     while (flight.waiting() > 0) {
-      const Offer next = next_offer(flight, workers, fleet, now, end);
+      const Offer next = next_offer(flight, workers, fleet, late, now, end);
       if (next.worker == nullptr) {
         break;
       }

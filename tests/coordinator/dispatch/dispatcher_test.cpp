@@ -488,6 +488,70 @@ TEST_F(Dispatching, FreesTheCreditOfAnswersToClosedRequests) {
   EXPECT_EQ(statistics().duplicates, 1U);
 }
 
+// Whoever is a little sooner done than others has nothing to do for a moment; what they are at is not overdue.
+TEST_F(Dispatching, CopiesNothingWhileAllKeepTheirPace) {
+  constexpr std::uint64_t kWorkers = 32;
+  start();
+  for (std::uint64_t worker = 1; worker <= kWorkers; ++worker) {
+    come(worker);
+  }
+  for (int epoch = 0; epoch < 10; ++epoch) {
+    std::vector<RequestId> demes;
+    for (std::uint64_t deme = 0; deme < kWorkers; ++deme) {
+      demes.push_back(request(1));
+      step();
+    }
+    ASSERT_EQ(tasks_.size(), kWorkers);
+    for (const auto until_next : {46ms, 4ms}) {
+      now_ += until_next;
+      for (std::uint64_t task = 0; task < kWorkers / 2; ++task) {
+        AnswerHeard done = answer(tasks_.front());
+        done.elapsed = 50ms;
+        tasks_.erase(tasks_.begin());
+        step({std::move(done), hello(1 + task), hello(1 + kWorkers / 2 + task)});
+      }
+    }
+    for (const RequestId deme : demes) {
+      expect_truth(deme);
+    }
+  }
+  EXPECT_EQ(statistics().copies, 0U);
+}
+
+TEST_F(Dispatching, KnowsWhoWasOvertakenAsSlow) {
+  start();
+  come(1);
+  come(2);
+  const auto take_at = [&](std::chrono::milliseconds elapsed) {
+    const SendTask task = tasks_.front();
+    tasks_.erase(tasks_.begin());
+    AnswerHeard done = answer(task);
+    done.elapsed = elapsed;
+    return done;
+  };
+  const RequestId first = request(1);
+  step();
+  const RequestId second = request(1);
+  step();
+  ASSERT_EQ(tasks_.size(), 2U);
+  ASSERT_EQ(tasks_.front().worker, WorkerId{1});
+  const AnswerHeard late = take_at(1000ms);
+  pass(50ms, {1, 2});
+  step({take_at(50ms)});
+  expect_truth(second);
+  pass(300ms, {1, 2});
+  ASSERT_EQ(tasks_.size(), 1U);  // a copy of what the first is at
+  pass(50ms, {1, 2});
+  step({take_at(50ms)});
+  expect_truth(first);
+  pass(600ms, {1, 2});
+  step({late});
+  request(1);
+  step();
+  ASSERT_EQ(tasks_.size(), 1U);
+  EXPECT_EQ(tasks_.front().worker, WorkerId{2});
+}
+
 TEST_F(Dispatching, WakesInTimeForWhatBecomesOverdue) {
   start();
   come(1);

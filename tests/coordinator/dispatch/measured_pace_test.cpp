@@ -49,15 +49,33 @@ TEST(MeasuredPace, FollowsAWorkerThatChanges) {
 
 TEST(MeasuredPace, DoubtsWhatNothingConfirms) {
   MeasuredPace pace;
-  pace.doubt();
+  std::chrono::steady_clock::time_point now{};
+  pace.doubt(now);
   pace.add(1s, 1, of_size(500));
-  pace.doubt();
+  now += MeasuredPace::kDoubtEvery * 1s;
+  pace.doubt(now);
   EXPECT_EQ(pace.each(of_size(500)), 1s);
   for (int generation = 0; generation < 20; ++generation) {
-    pace.doubt();
+    now += MeasuredPace::kDoubtEvery * 1s;
+    pace.doubt(now);
   }
   EXPECT_LT(pace.each(of_size(500)), 1ms);
   EXPECT_GT(pace.each(of_size(500)), 0ns);
+}
+
+TEST(MeasuredPace, DoubtsNoFasterThanUnitsTake) {
+  MeasuredPace pace;
+  std::chrono::steady_clock::time_point now{};
+  pace.add(1s, 1, of_size(500));
+  now += MeasuredPace::kDoubtEvery * 1s;
+  pace.doubt(now);  // confirmed by the answer
+  for (int request = 0; request < 500; ++request) {
+    now += 10ms;
+    pace.doubt(now);
+  }
+  EXPECT_EQ(pace.each(of_size(500)), 700ms);
+  pace.add(2s, 1, of_size(500));
+  EXPECT_EQ(pace.each(of_size(500)), 2s);
 }
 
 }  // namespace
