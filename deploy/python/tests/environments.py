@@ -63,5 +63,28 @@ class Mixed(gymnasium.Env[Any, int]):
         return self.reset()[0], float("nan"), False, True, {}
 
 
+class Crane(gymnasium.Env[Any, Any]):
+    """A place on a line of four and a hook; an action is (go left, stay or go right; hook up or down, counted from 1). Let
+    down at the right end it is done."""
+
+    observation_space = gymnasium.spaces.Discrete(4)
+    action_space = gymnasium.spaces.MultiDiscrete([3, 2], start=[0, 1])
+
+    def __init__(self) -> None:
+        self.place = 0
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        super().reset(seed=seed)
+        self.place = 0
+        return self.place, {}
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        assert self.action_space.contains(action)
+        done = self.place == 3 and action[1] == 2
+        self.place = min(3, max(0, self.place + int(action[0]) - 1))
+        return self.place, 1.0 if done else 0.0, bool(done), False, {}
+
+
+gymnasium.register("Crane-v0", entry_point="environments:Crane", max_episode_steps=20)
 gymnasium.register("Corridor-v0", entry_point="environments:Corridor", max_episode_steps=20)
 gymnasium.register("Broken-v0", entry_point="environments:Broken")

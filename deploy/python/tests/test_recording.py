@@ -118,11 +118,45 @@ def test_what_cannot_be_recorded_is_refused_and_leaves_no_file(tmp_path: Path) -
         coppice.record(environments.Mixed(), lambda o: 0, 1, tmp_path / "log")
     with pytest.raises(coppice.CoppiceError, match="the policy chose 7"):
         coppice.record(environments.Corridor(), lambda o: 7, 1, tmp_path / "log")
-    with pytest.raises(coppice.CoppiceError, match="expected a Discrete space"):
+    with pytest.raises(coppice.CoppiceError, match="expected a Discrete, MultiDiscrete"):
         coppice.record(gymnasium.make("Pendulum-v1"), lambda o: 0, 1, tmp_path / "log")
     with pytest.raises(coppice.CoppiceError, match="expected names that differ"):
         coppice.record(environments.Corridor(), lambda o: 0, 1, tmp_path / "log", actions=["a", "a"])
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_action_with_parts_is_one_action_a_combination(tmp_path: Path) -> None:
+    env = environments.Crane()
+    assert coppice.problem_of(env).actions == ["a_0_1", "a_0_2", "a_1_1", "a_1_2", "a_2_1", "a_2_2"]
+    problem = coppice.problem_of(env, actions=["drive", "hook"])
+    assert problem.actions[4:] == ["drive_2_hook_1", "drive_2_hook_2"]
+    for number in range(6):
+        assert env.action_space.contains(problem.to_env(number))
+        assert problem.from_env(problem.to_env(number)) == number
+    right, down = np.array([2, 1]), np.array([1, 2])
+    for policy in (
+        lambda o: down if o == 3 else right,  # as the environment takes it
+        lambda o: (1, 2) if o == 3 else (2, 1),
+        lambda o: (down if o == 3 else right, None),  # as predict() gives it
+        lambda o: 3 if o == 3 else 4,  # the number of the combination
+    ):
+        assert coppice.record(env, policy, 1, tmp_path / "log", actions=["drive", "hook"]) == 4
+        steps = lines(tmp_path / "log")
+        assert steps[0]["actions"] == problem.actions
+        assert [step["action"] for step in steps[1:]] == [4, 4, 4, 3] and steps[-1]["terminated"]
+    with pytest.raises(coppice.CoppiceError, match="the policy chose"):
+        coppice.record(env, lambda o: [3, 1], 1, tmp_path / "none")
+
+
+def test_bits_are_parts_and_too_many_combinations_are_refused() -> None:
+    env = environments.Crane()
+    env.action_space = gymnasium.spaces.MultiBinary(3)
+    problem = coppice.problem_of(env, actions=["a", "b", "c"])
+    assert len(problem.actions) == 8 and problem.actions[5] == "a_1_b_0_c_1"
+    assert problem.to_env(5).tolist() == [1, 0, 1]
+    env.action_space = gymnasium.spaces.MultiDiscrete([16, 16])
+    with pytest.raises(coppice.CoppiceError, match="256 combinations: expected at most 254"):
+        coppice.problem_of(env)
 
 
 def test_tables_hold_what_the_environment_holds(tmp_path: Path) -> None:

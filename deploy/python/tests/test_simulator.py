@@ -40,6 +40,17 @@ def test_it_says_who_it_is_and_answers_several_episodes_a_line() -> None:
     assert last["id"] == 3
 
 
+def test_an_action_with_parts_is_asked_for_by_its_number() -> None:
+    hello, first, *answers = talk(
+        environments.Crane,
+        ['{"id": 0, "reset": [0], "seeds": [1]}']
+        + ['{"id": %d, "step": [0], "actions": [%d]}' % (i, a) for i, a in enumerate((4, 4, 4, 3), 1)],
+    )
+    assert len(hello["actions"]) == 6
+    assert [answer["observations"] for answer in answers] == [[[1.0]], [[2.0]], [[3.0]], [[3.0]]]
+    assert answers[-1]["terminated"] == [True]
+
+
 def test_the_same_seed_begins_the_same_episode() -> None:
     answers = talk(environments.Corridor, ['{"id": 1, "reset": [0], "seeds": [%d]}' % seed for seed in (5, 6, 5, 7, 5)])
     observed = [a["observations"] for a in answers[1:]]

@@ -71,7 +71,7 @@ def from_minari(
                     "episode": number,
                     "step": step,
                     "observation": observations[step],
-                    "action": action_of(episode.actions[step], len(problem.actions)),
+                    "action": action_of(problem.from_env(episode.actions[step]), len(problem.actions)),
                     "reward": float(episode.rewards[step]),
                     "next_observation": observations[step + 1],
                     "terminated": terminated,

@@ -33,8 +33,8 @@ def record(
 ) -> int:
     """Runs `policy` in `env` and writes every step to `path`. Returns the number of steps.
 
-    policy: from an observation to an action: an int, or whatever holds one (arrays, tensors, what predict() gives); or to a
-        score for each action, the highest of which is taken. A model with predict() may stand for it.
+    policy: from an observation to an action: an int, or whatever holds one (arrays, tensors, what predict() gives); where an
+        action has parts (MultiDiscrete), those; or to a score for each action, the highest of which is taken. A model with predict() may stand for it.
     seed: episode i is reset with seed + i, so the same call gives the same file.
     exploration: with this probability a step takes a random action instead; a chain needs more than the policy's own.
     steps: an episode is cut there, besides the environment's own limit; it counts as truncated.
@@ -70,8 +70,8 @@ def record(
                 if exploration > 0.0 and random.random() < exploration:
                     action = int(random.integers(len(problem.actions)))
                 else:
-                    action = action_of(act(observation), len(problem.actions))
-                after, reward, terminated, truncated, _ = env.step(action)
+                    action = action_of(problem.from_env(act(observation)), len(problem.actions))
+                after, reward, terminated, truncated, _ = env.step(problem.to_env(action))
                 cut = steps is not None and step + 1 >= steps
                 line = {
                     "episode": episode,

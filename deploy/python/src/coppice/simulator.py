@@ -33,7 +33,7 @@ def serve(
 ) -> None:
     """Answers until its input ends. make: a new environment, called once for each place that is used.
 
-    collides: (observation, action, reward, next observation) -> whether the step was a collision.
+    collides: (observation, the action's number, reward, next observation) -> whether the step was a collision.
     timeout: seconds that one answer may take, told to coppice.
     source, out: standard input and output. Whatever the environment prints goes to standard error, so that it cannot
     break a line.
@@ -120,7 +120,7 @@ class _Server:
             answer["collisions"] = []
         for place, action in zip(places, actions):
             before = self._observed[place]
-            after, reward, terminated, truncated, _ = self._places[place].step(action)
+            after, reward, terminated, truncated, _ = self._places[place].step(self.problem.to_env(action))
             self._observed[place] = after
             answer["observations"].append(self.problem.decode(after))
             answer["rewards"].append(float(reward))

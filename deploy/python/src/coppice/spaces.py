@@ -5,6 +5,7 @@ Gymnasium is only duck-typed here (`n`, `nvec`, `shape`, `spaces`), so that impo
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -58,12 +59,16 @@ KNOWN_LABELS: dict[str, dict[str, dict[str, Any]]] = {
 
 @dataclass(frozen=True)
 class Problem:
-    """Names of what is observed and done. `decode` turns an observation into one number per feature."""
+    """Names of what is observed and done. `decode` turns an observation into one number per feature, `to_env` an action's
+    number into what the environment's step() takes, `from_env` the other way."""
 
     title: str
     features: list[dict[str, Any]]  # name, and where known label, unit, values
     actions: list[str]
     shape: tuple[int, ...] = field(default=())  # of a grid behind one discrete number; empty: none
+    parts: tuple[int, ...] = field(default=())  # choices of each part of an action (MultiDiscrete); empty: it is one number
+    parts_shape: tuple[int, ...] = field(default=())  # of the array that the environment takes
+    parts_start: tuple[int, ...] = field(default=())  # the first choice of each part
 
     @property
     def feature_names(self) -> list[str]:
@@ -80,6 +85,31 @@ class Problem:
                 f"one for each of {', '.join(self.feature_names)}"
             )
         return values
+
+    def to_env(self, action: int) -> Any:
+        """What step() takes: the number itself, or where an action has parts their array."""
+        if not self.parts:
+            return action
+        choices = np.unravel_index(action, self.parts)
+        return np.array([int(c) + s for c, s in zip(choices, self.parts_start)], np.int64).reshape(self.parts_shape)
+
+    def from_env(self, chosen: Any) -> Any:
+        """The number of the combination where `chosen` is an action with parts as the environment takes it; whatever else
+        as it is."""
+        if not self.parts:
+            return chosen
+        if isinstance(chosen, tuple) and not all(np.ndim(c) == 0 and isinstance(c, (int, np.integer)) for c in chosen):
+            chosen = chosen[0]  # of predict()
+        array = np.asarray(chosen.detach().cpu().numpy() if hasattr(chosen, "detach") else chosen)
+        if array.dtype.kind not in "iub" or array.size != len(self.parts) or array.ndim == 0:
+            return chosen
+        choices = [int(c) - s for c, s in zip(array.reshape(-1), self.parts_start)]
+        if not all(0 <= c < n for c, n in zip(choices, self.parts)):
+            raise CoppiceError(
+                f"the policy chose {chosen!r}: expected numbers from {list(self.parts_start)} and less than "
+                f"{[s + n for s, n in zip(self.parts_start, self.parts)]}"
+            )
+        return int(np.ravel_multi_index(choices, self.parts))
 
 
 def identifier(name: str) -> str:
@@ -154,15 +184,46 @@ def _grid_shape(env: Any, family: str) -> tuple[int, ...]:
     return ()
 
 
+def _parts_of_actions(env: Any) -> tuple[tuple[int, ...], tuple[int, ...], tuple[int, ...]]:
+    """Choices of each part, shape and first choices of a MultiDiscrete or MultiBinary action; all empty: it is one number."""
+    space = env.action_space
+    shape = tuple(int(n) for n in getattr(space, "shape", None) or ())
+    if hasattr(space, "nvec"):
+        parts = tuple(int(n) for n in np.asarray(space.nvec).reshape(-1))
+        start = np.broadcast_to(np.asarray(getattr(space, "start", 0)), shape).reshape(-1)
+        return parts, shape, tuple(int(s) for s in start)
+    if shape and hasattr(space, "n"):  # MultiBinary
+        size = int(np.prod(shape))
+        return (2,) * size, shape, (0,) * size
+    return (), (), ()
+
+
+def _names_of_combinations(parts: Sequence[int], start: Sequence[int], names: Sequence[str] | None) -> list[str]:
+    """steer_0_gas_1, or without names of the parts a_0_1; the last part changes first, as in np.ravel_multi_index."""
+    combinations = [[c + s for c, s in zip(each, start)] for each in np.ndindex(*parts)]
+    if names is None:
+        return ["_".join(["a", *map(str, each)]) for each in combinations]
+    return ["_".join(f"{name}_{c}" for name, c in zip(names, each)) for each in combinations]
+
+
 def problem_of(
     env: Any, features: Sequence[str] | None = None, actions: Sequence[str] | None = None
 ) -> Problem:
     """The problem that a Gymnasium environment is. Names that are not given come from what is known of the environment,
-    else they are made up: x_0, x_1, ..., a_0, a_1, ..."""
-    count = getattr(env.action_space, "n", None)
+    else they are made up: x_0, x_1, ..., a_0, a_1, ...
+
+    Where an action has parts (MultiDiscrete, MultiBinary) each combination is one action, at most MAX_ACTIONS; `actions`
+    names the parts, or all combinations."""
+    parts, parts_shape, parts_start = _parts_of_actions(env)
+    count = math.prod(parts) if parts else getattr(env.action_space, "n", None)
     if count is None:
-        raise CoppiceError(f"{env}: its actions are {env.action_space}: expected a Discrete space")
-    if int(getattr(env.action_space, "start", 0)) != 0:
+        raise CoppiceError(f"{env}: its actions are {env.action_space}: expected a Discrete, MultiDiscrete or MultiBinary space")
+    if count > MAX_ACTIONS:
+        raise CoppiceError(f"{env}: its actions are {env.action_space}, {count} combinations: expected at most {MAX_ACTIONS}")
+    if parts:
+        if actions is None or (len(actions) == len(parts) and len(actions) != count):
+            actions = _names_of_combinations(parts, parts_start, actions)
+    elif int(getattr(env.action_space, "start", 0)) != 0:
         raise CoppiceError(f"{env}: its actions start at {env.action_space.start}: expected 0")
     title = env.spec.id if getattr(env, "spec", None) is not None else type(getattr(env, "unwrapped", env)).__name__
     family = re.sub(r"-v\d+$", "", title.split("/")[-1])
@@ -186,4 +247,4 @@ def problem_of(
         if len(set(given)) != len(given):
             raise CoppiceError(f"{title}: {what} {', '.join(given)}: expected names that differ")
     labels = KNOWN_LABELS.get(family, {}) if features is None else {}
-    return Problem(title, [{"name": n, **labels.get(n, {})} for n in names], action_names, shape)
+    return Problem(title, [{"name": n, **labels.get(n, {})} for n in names], action_names, shape, parts, parts_shape, parts_start)
