@@ -281,7 +281,7 @@ void print_text(const Json& json) {
     print_line("  configuration", changes_text(run["configuration"]));
     Json result = run["result"];
     if (result.is_object()) {
-      result.erase("deme_curves");  // for the page
+      result.erase("deme_curves");  // written by earlier versions, for the page
     }
     print_line("  result", pairs_text(result));
     for (const char* tree : {"tree", "pruned"}) {

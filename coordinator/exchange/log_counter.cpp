@@ -169,7 +169,7 @@ Result<LogCounter::Obstacle> LogCounter::begin_step(const LogStep& step, const L
   const bool has_episodes = !step.episode.empty();
   const bool same = in_episode_ && (!has_episodes || step.episode == episode_);
   if (same && has_episodes && step.step && last_step_ && *step.step != *last_step_ + 1) {
-    return wrong(log, fmt::format("episode {}: step {} behind step {}: expected {}", step.episode, *step.step,
+    return wrong(log, fmt::format("episode {}: step {} comes after step {}: expected {}", step.episode, *step.step,
                                   *last_step_, *last_step_ + 1));
   }
   const bool goes_on = !expected_.empty() && std::equal(expected_.begin(), expected_.end(), step.observation.begin());

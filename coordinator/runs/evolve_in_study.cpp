@@ -8,7 +8,6 @@
 #include "common/tree/simplify.hpp"
 #include "common/tree/state_columns.hpp"
 #include "coordinator/console/json_line.hpp"
-#include "coordinator/runs/deme_curves.hpp"
 #include "coordinator/runs/evolve_report.hpp"
 #include "coordinator/runs/evolve_with_rollback.hpp"
 
@@ -119,13 +118,16 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
   }
   const Clock::time_point began = Clock::now();
   EvolveHooks hooks;
-  DemeCurves curves;
-  hooks.demes_done = [&](std::span<const std::vector<GenerationRecord>> of_demes) { curves.add(of_demes); };
+  // Of the epoch that is told of next: saved with it, so that nothing is half there.
+  std::vector<std::vector<GenerationRecord>> of_demes;
+  hooks.demes_done = [&](std::span<const std::vector<GenerationRecord>> records) {
+    of_demes.assign(records.begin(), records.end());
+  };
   SavePace pace;
   hooks.due = [&pace] { return pace.due(); };
   hooks.generations_done = [&](std::span<const GenerationRecord> records,
                                const Checkpoint& checkpoint) -> Result<void> {
-    const auto save = [&] { return study.save_generations(run, records, checkpoint); };
+    const auto save = [&] { return study.save_generations(run, records, checkpoint, of_demes); };
     if (const Result<void> saved = pace.save(save); !saved) {
       return saved;
     }
@@ -156,12 +158,8 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
     return tl::unexpected(saved.error());
   }
   const RunStatus status = report.interrupted() ? RunStatus::interrupted : RunStatus::finished;
-  Json outcome = outcome_json(report);
-  if (!curves.empty()) {
-    outcome["deme_curves"] = curves.json();
-  }
   const Result<void> finished = study.finish_run(
-      run, {.status = status, .tree = report.tree(), .pruned = report.pruned, .json = json_line(outcome)});
+      run, {.status = status, .tree = report.tree(), .pruned = report.pruned, .json = json_line(outcome_json(report))});
   if (!finished) {
     return tl::unexpected(finished.error());
   }

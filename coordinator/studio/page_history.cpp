@@ -52,25 +52,39 @@ Json generations_json(const std::vector<GenerationRecord>& generations) {
   return columns;
 }
 
-// What the run kept of each of its demes, numbers as the page has them; null: it had one, or has not ended.
-Json demes_json(Json& result) {
-  if (!result.is_object() || !result.contains("deme_curves")) {
+// How each of a run's demes went, sampled; null: it had one, or did not keep that.
+Json demes_json(const DemeGenerations& kept) {
+  if (kept.demes.empty()) {
     return nullptr;
   }
-  Json curves = std::move(result["deme_curves"]);
-  result.erase("deme_curves");
-  if (!curves.is_object() || !curves.contains("generation") || !curves.contains("demes") ||
-      !curves["demes"].is_array()) {
-    return nullptr;
-  }
-  for (Json& deme : curves["demes"]) {
-    for (auto& [name, column] : deme.items()) {
-      for (Json& value : column) {
-        value = value.is_number() ? page_number(value.get<double>()) : Json(nullptr);
-      }
+  const std::size_t total = kept.generation.size();
+  const std::size_t every = (total + kMostPageDemeGenerations - 1) / kMostPageDemeGenerations;
+  Json json = {{"every", every}, {"total", total}, {"generation", Json::array()}, {"demes", Json::array()}};
+  for (std::size_t i = 0; i < total; ++i) {
+    if (i % every == 0 || i + 1 == total) {
+      json["generation"].push_back(kept.generation[i]);
     }
   }
-  return curves;
+  for (const std::vector<DemeGeneration>& deme : kept.demes) {
+    Json columns = {{"best_fitness", Json::array()},
+                    {"mean_fitness", Json::array()},
+                    {"best_nodes", Json::array()},
+                    {"mean_nodes", Json::array()},
+                    {"evaluations", Json::array()}};
+    std::uint64_t evaluations = 0;
+    for (std::size_t i = 0; i < total; ++i) {
+      evaluations += deme[i].evaluations;
+      if (i % every == 0 || i + 1 == total) {
+        columns["best_fitness"].push_back(page_number(deme[i].best_fitness));
+        columns["mean_fitness"].push_back(page_number(deme[i].mean_fitness));
+        columns["best_nodes"].push_back(deme[i].best_nodes);
+        columns["mean_nodes"].push_back(page_number(deme[i].mean_nodes));
+        columns["evaluations"].push_back(evaluations);
+      }
+    }
+    json["demes"].push_back(std::move(columns));
+  }
+  return json;
 }
 
 Json front_json(const Front& front, const Vocabulary& vocabulary) {
@@ -164,8 +178,14 @@ Result<Json> runs_json(const Study& study) {
     if (!front) {
       return tl::unexpected(front.error());
     }
+    const Result<DemeGenerations> demes = study.deme_generations(run.id);
+    if (!demes) {
+      return tl::unexpected(demes.error());
+    }
     Json result = parsed(run.json);
-    const Json demes = demes_json(result);
+    if (result.is_object()) {
+      result.erase("deme_curves");  // as earlier versions kept them, of runs that had ended
+    }
     list.push_back({{"run", static_cast<std::int64_t>(run.id)},
                     {"status", name_of(run.status)},
                     {"abandoned", run.abandoned},
@@ -175,7 +195,7 @@ Result<Json> runs_json(const Study& study) {
                     {"seed", run.config.seed},
                     {"configuration", parsed(config_to_json(run.config))},
                     {"result", result},
-                    {"demes", demes},
+                    {"demes", demes_json(*demes)},
                     {"tree", run.tree ? Json(to_text(*run.tree, vocabulary)) : Json(nullptr)},
                     {"pruned", run.pruned ? Json(to_text(*run.pruned, vocabulary)) : Json(nullptr)},
                     {"command", evolve_command(study, run)},

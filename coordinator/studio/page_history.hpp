@@ -12,6 +12,7 @@ namespace coppice {
 
 // A curve of more generations is thinned out: every so many'th, the last included, which the page says.
 inline constexpr std::size_t kMostPageGenerations = 1000;
+inline constexpr std::size_t kMostPageDemeGenerations = 300;  // of each deme
 
 // [runs] with their generations and fronts. Fields: README.md, "runs". Errors: the study's.
 Result<nlohmann::ordered_json> runs_json(const Study& study);

@@ -80,6 +80,23 @@ struct ResumedRun {
   std::optional<Checkpoint> checkpoint;  // none: not one generation was saved, start from the first
 };
 
+// One generation of one deme, as curves show it.
+struct DemeGeneration {
+  double best_fitness = 0.0;
+  double mean_fitness = 0.0;
+  std::uint32_t best_nodes = 0;  // of the tree of the best fitness
+  double mean_nodes = 0.0;
+  std::uint64_t evaluations = 0;  // individuals evaluated in this generation
+  bool operator==(const DemeGeneration&) const = default;
+};
+DemeGeneration in_short(const GenerationRecord& record);
+
+// All of a run that were kept.
+struct DemeGenerations {
+  std::vector<std::uint32_t> generation;           // ascending
+  std::vector<std::vector<DemeGeneration>> demes;  // [demes][generations]
+};
+
 // A tree that a person keeps, as the studio does.
 inline constexpr std::size_t kMaxKeptName = 200;     // bytes
 inline constexpr std::size_t kMaxKeptNote = 20'000;  // bytes
@@ -141,9 +158,11 @@ class Study {
   Result<ResumedRun> resume_run(RunId run, bool take_over = false);
 
   // One transaction: the statistics rows and the checkpoint, which replaces the one before.
+  // `of_demes`: the same generations of each of several demes, [demes][generations]; empty: there is one deme.
   // REQUIRES: the run is this process's; at least one record, in their order; the last is the checkpoint's generation.
   // Error, also of finish_run(): the path leads to another file by now, or to none.
-  Result<void> save_generations(RunId run, std::span<const GenerationRecord> records, const Checkpoint& checkpoint);
+  Result<void> save_generations(RunId run, std::span<const GenerationRecord> records, const Checkpoint& checkpoint,
+                                std::span<const std::vector<GenerationRecord>> of_demes = {});
 
   // Back to a checkpoint of this run, or before the first generation: what came after is forgotten, in one
   // transaction. REQUIRES: as save_generations().
@@ -158,6 +177,8 @@ class Study {
   Result<RunRecord> run(RunId run) const;       // error (bad_input): no such run; says which there are
   Result<std::optional<RunRecord>> last_run() const;
   Result<std::vector<GenerationRecord>> generations(RunId run) const;
+  // Without demes: the run has one, or an earlier version wrote it.
+  Result<DemeGenerations> deme_generations(RunId run) const;
   Result<std::optional<Checkpoint>> load_checkpoint(RunId run) const;
   // By position; without members: the run has none. Every member has the same measures.
   Result<Front> front(RunId run) const;

@@ -7,6 +7,7 @@
 #include "coordinator/evolution/config_text.hpp"
 #include "coordinator/study/checkpoint_text.hpp"
 #include "coordinator/study/database.hpp"
+#include "coordinator/study/study_demes.hpp"
 #include "coordinator/study/study_rows.hpp"
 #include "coordinator/study/study_state.hpp"
 
@@ -128,8 +129,8 @@ Result<ResumedRun> Study::resume_run(RunId run, bool take_over) {
   });
 }
 
-Result<void> Study::save_generations(RunId run, std::span<const GenerationRecord> records,
-                                     const Checkpoint& checkpoint) {
+Result<void> Study::save_generations(RunId run, std::span<const GenerationRecord> records, const Checkpoint& checkpoint,
+                                     std::span<const std::vector<GenerationRecord>> of_demes) {
   COPPICE_CHECK(!records.empty() && records.back().generation == checkpoint.generation);
   const Vocabulary& vocabulary = chain().vocabulary();
   return guarded(state_->path, [&]() -> Result<void> {
@@ -151,6 +152,9 @@ Result<void> Study::save_generations(RunId run, std::span<const GenerationRecord
       row.exec();
       row.reset();
     }
+    if (!of_demes.empty()) {
+      insert_demes(state_->database, run, of_demes);
+    }
     replace_checkpoint(state_->database, run, checkpoint, vocabulary);
     transaction.commit();
     return state_->check_in_place();
@@ -164,6 +168,7 @@ Result<void> Study::rewind_run(RunId run, const std::optional<Checkpoint>& to) {
     forget.bind(1, number(run));
     forget.bind(2, to ? to->generation + 1 : 0);
     forget.exec();
+    forget_demes(state_->database, run, to ? to->generation + 1 : 0);
     if (to) {
       replace_checkpoint(state_->database, run, *to, chain().vocabulary());
     } else {

@@ -162,7 +162,7 @@ TEST(Log, WhatIsWrongIsNamedWithItsLine) {
     EXPECT_NE(log.error().message.find("bad.csv"), std::string::npos) << log.error().message;
     EXPECT_NE(log.error().message.find(message), std::string::npos) << log.error().message;
   };
-  refused("0,1,2,right", "0,2,2,right", "line 3: episode 0: step 2 behind step 0: expected 1");
+  refused("0,1,2,right", "0,2,2,right", "line 3: episode 0: step 2 comes after step 0: expected 1");
   refused("0,1,2,right", "0,1,7,right", "line 3: episode 0 has a gap");
   refused("-1,2,0,0", "-1,2,1,0", "line 3: episode 0 goes on after its end");
   refused("0,1,2,right,-1,1", "0,1,2,right,x,1", "line 3: column 5: found 'x': expected a finite number");

@@ -202,6 +202,52 @@ TEST_F(StudyTest, GoesBackToACheckpoint) {
   EXPECT_EQ(save(id, 0), first);
 }
 
+TEST_F(StudyTest, KeepsDemesWithTheGenerationsThatTheyBelongTo) {
+  Study study = make();
+  const RunId id = study.begin_run({config(), "serial"}).value();
+  EXPECT_TRUE(study.deme_generations(id).value().demes.empty()) << "no table yet";
+  ASSERT_TRUE(study.rewind_run(id, std::nullopt).has_value()) << "no table yet";
+  const auto save = [&](std::uint32_t generation, std::size_t demes) {
+    Checkpoint checkpoint{generation, {tree_of("move")}, {0.5}, {}};
+    std::vector<std::vector<GenerationRecord>> of_demes(demes);
+    for (std::size_t deme = 0; deme < demes; ++deme) {
+      GenerationRecord record{.generation = generation,
+                              .best = {tree_of("move"), 0, 0.5 + static_cast<double>(deme), 0.25}};
+      record.mean_fitness = 0.1;
+      record.mean_nodes = 2.5;
+      record.evaluations = 10;
+      of_demes[deme].push_back(record);
+    }
+    EXPECT_TRUE(study.save_generations(id, of_demes.front(), checkpoint, of_demes).has_value());
+    return checkpoint;
+  };
+  const Checkpoint first = save(0, 2);
+  save(1, 2);
+  EXPECT_EQ(study.deme_generations(id).value().generation, (std::vector<std::uint32_t>{0, 1}));
+  ASSERT_TRUE(study.rewind_run(id, first).has_value());
+  const Study again = reopen(std::move(study));
+  const auto kept = again.deme_generations(id).value();
+  EXPECT_EQ(kept.generation, std::vector<std::uint32_t>{0});
+  ASSERT_EQ(kept.demes.size(), 2U);
+  EXPECT_EQ(kept.demes[1],
+            (std::vector<DemeGeneration>{
+                {.best_fitness = 1.5, .mean_fitness = 0.1, .best_nodes = 1, .mean_nodes = 2.5, .evaluations = 10}}));
+}
+
+TEST_F(StudyTest, ADemeThatMissesGenerationsIsDamage) {
+  Study study = make();
+  const RunId id = study.begin_run({config(), "serial"}).value();
+  for (std::uint32_t generation = 0; generation < 2; ++generation) {
+    GenerationRecord record{.generation = generation, .best = {tree_of("move"), 0, 0.5, 0.25}};
+    std::vector<std::vector<GenerationRecord>> of_demes(generation == 0 ? 2 : 1, {record});
+    ASSERT_TRUE(
+        study.save_generations(id, {&record, 1}, {generation, {tree_of("move")}, {0.5}, {}}, of_demes).has_value());
+  }
+  const auto kept = study.deme_generations(id);
+  ASSERT_FALSE(kept.has_value());
+  EXPECT_EQ(kept.error().message.rfind(path_ + ": ", 0), 0U);
+}
+
 TEST_F(StudyTest, NeverOverwritesAFile) {
   { make(); }
   const std::string before = content();

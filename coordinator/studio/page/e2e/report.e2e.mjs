@@ -92,6 +92,14 @@ test("a run with demes shows the curves of each", async () => {
   const study = join(folder, "demes.coppice");
   copyFileSync(await thesisStudy(), study);
   await coppice("evolve", study, "--serial", "--seed", "3", "--set", "ga.search=scalar", "--set", "ga.demes=4", "--set", "ga.generations=30", "--set", "ga.population=80");
+  // The same curves by workers, in the data of the page.
+  const byWorkers = join(folder, "demes-workers.coppice");
+  copyFileSync(await thesisStudy(), byWorkers);
+  await coppice("evolve", byWorkers, "--workers", "2", "--seed", "3", "--set", "ga.search=scalar", "--set", "ga.demes=4", "--set", "ga.generations=30", "--set", "ga.population=80");
+  const demesOf = async (path) => JSON.parse(await coppice("report", path, "--tree", "move", "--json")).runs.at(-1).demes;
+  const kept = await demesOf(study);
+  assert.equal(kept.generation.length, 30);
+  assert.deepEqual(await demesOf(byWorkers), kept);
   const html = join(folder, "demes.html");
   await coppice("report", study, "--tree", "move", "-o", html);
   const page = await openPage(browser, { allowed: own, offline: true });
@@ -104,6 +112,8 @@ test("a run with demes shows the curves of each", async () => {
   await curves.getByText("Deme 3: fitness").first().waitFor();
   assert.equal(await curves.locator("figure").filter({ hasText: "Deme 3: size" }).locator("path.line").count(), 5);
   await curves.getByRole("heading", { name: "Each deme" }).scrollIntoViewIfNeeded();
+  await curves.locator("label").filter({ hasText: /^over/ }).locator("select").selectOption("evaluations");
+  assert.match(await curves.locator("figure").filter({ hasText: "Deme 3: size" }).textContent(), /evaluations/);
   await shot(page, "report-demes");
   await accessible(page);
   page.check();

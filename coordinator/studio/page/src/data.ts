@@ -198,14 +198,17 @@ export interface Run {
   tree: string | null;
   pruned: string | null;
   command: string;
-  demes: DemeCurves | null; // several demes, of a run that has ended
+  demes: DemeCurves | null; // of several demes
   generations: Generations;
   front: Front | null;
 }
 
 export interface DemeCurves {
+  every: number;
+  total: number;
   generation: number[];
-  demes: { best_fitness: number[]; mean_fitness: number[]; best_nodes: number[]; mean_nodes: number[] }[];
+  // evaluations: of this deme so far
+  demes: { best_fitness: number[]; mean_fitness: number[]; best_nodes: number[]; mean_nodes: number[]; evaluations: number[] }[];
 }
 
 export interface LearningCurve {

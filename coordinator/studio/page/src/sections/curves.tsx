@@ -101,7 +101,7 @@ export function Curves() {
               series={[{ name: "different trees", x, y: run.generations.distinct_trees, style: "c" }]}
             />
           </div>
-          {run.demes && <Demes key={run.run} curves={run.demes} />}
+          {run.demes && <Demes key={run.run} curves={run.demes} by={by.value} />}
         </>
       ) : (
         <p class="quiet">No run of evolution kept a generation.</p>
@@ -112,16 +112,18 @@ export function Curves() {
 }
 
 // One deme's curves before those of all the others.
-function Demes(props: { curves: DemeCurves }) {
-  const { generation, demes } = props.curves;
+function Demes(props: { curves: DemeCurves; by: string }) {
+  const { generation, demes, every, total } = props.curves;
   const leading = demes.reduce((best, deme, i) => ((deme.best_fitness.at(-1) ?? -Infinity) > (demes[best]?.best_fitness.at(-1) ?? -Infinity) ? i : best), 0);
   const chosen = useSignal(leading);
   const shown = demes[chosen.value];
   if (!shown) {
     return null;
   }
+  const xOfDeme = (deme: DemeCurves["demes"][number]): number[] => (props.by === "evaluations" ? deme.evaluations : generation);
+  const x = xOfDeme(shown);
   const others = (of: "best_fitness" | "best_nodes"): Series[] =>
-    demes.flatMap((deme, i) => (i === chosen.value ? [] : [{ name: `deme ${i + 1}, best`, x: generation, y: deme[of], style: "faint" as const, inLegend: false }]));
+    demes.flatMap((deme, i) => (i === chosen.value ? [] : [{ name: `deme ${i + 1}, best`, x: xOfDeme(deme), y: deme[of], style: "faint" as const, inLegend: false }]));
   return (
     <>
       <h3>Each deme</h3>
@@ -137,28 +139,28 @@ function Demes(props: { curves: DemeCurves }) {
             ))}
           </select>
         </label>{" "}
-        <span class="quiet">Thin lines are the best of the other demes.</span>
+        <span class="quiet">Thin lines are the best of the other demes.{every > 1 && ` Shown is every ${number(every)}th of ${number(total)} generations.`}</span>
       </div>
       <div class="charts">
         <Lines
           title={`Deme ${chosen.value + 1}: fitness`}
-          xName="generation"
+          xName={props.by}
           yName="fitness"
           series={[
             ...others("best_fitness"),
-            { name: "best", x: generation, y: shown.best_fitness, style: "a" },
-            { name: "mean", x: generation, y: shown.mean_fitness, style: "b" },
+            { name: "best", x, y: shown.best_fitness, style: "a" },
+            { name: "mean", x, y: shown.mean_fitness, style: "b" },
           ]}
         />
         <Lines
           title={`Deme ${chosen.value + 1}: size`}
-          xName="generation"
+          xName={props.by}
           yName="nodes"
           zero
           series={[
             ...others("best_nodes"),
-            { name: "of the best", x: generation, y: shown.best_nodes, style: "a" },
-            { name: "mean", x: generation, y: shown.mean_nodes, style: "b" },
+            { name: "of the best", x, y: shown.best_nodes, style: "a" },
+            { name: "mean", x, y: shown.mean_nodes, style: "b" },
           ]}
         />
       </div>
