@@ -94,6 +94,9 @@ void add_problem(const Study& study, Json& json) {
       json[key] = *text;
     }
   }
+  if (!problem.rules.empty()) {
+    json["rules"] = problem.rules;
+  }
   if (problem.discount) {
     json["discount"] = *problem.discount;
   }
@@ -256,6 +259,11 @@ void print_text(const Json& json) {
   if (json.contains("legend")) {
     for (std::size_t i = 0; i < json["legend"].size(); ++i) {
       print_line(i == 0 ? "legend" : "", json["legend"][i].get<std::string>());
+    }
+  }
+  if (json.contains("rules")) {
+    for (std::size_t i = 0; i < json["rules"].size(); ++i) {
+      print_line(i == 0 ? "rules kept" : "", json["rules"][i].get<std::string>());
     }
   }
   print_line("initial state", fmt::format("{}: {}", json["initial_state"]["index"].dump(),

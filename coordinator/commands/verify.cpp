@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <fmt/format.h>
 #include <memory>
 #include <optional>
@@ -24,6 +25,7 @@ struct VerifyFlags {
   StudyTreeOption tree;
   std::vector<std::string> rules;
   std::string rule_file;
+  bool keep = false;
   std::vector<std::string> events;
   SimulateOption simulate;  // its steps and seed are those of the chain too
   std::uint32_t resamples = VerifySettings{}.resamples;
@@ -31,8 +33,20 @@ struct VerifyFlags {
   bool json = false;
 };
 
-Result<std::vector<Rule>> rules_of(const VerifyFlags& options, const Vocabulary& vocabulary) {
+// Those that were given, or else those that the study keeps.
+Result<std::vector<Rule>> rules_of(const VerifyFlags& options, const Study& study) {
+  const Vocabulary& vocabulary = study.chain().vocabulary();
   std::vector<Rule> rules;
+  if (options.rules.empty() && options.rule_file.empty()) {
+    for (const std::string& text : study.problem().rules) {
+      Result<Rule> rule = parse_rule(text, vocabulary);
+      if (!rule) {
+        return in_context(fmt::format("{}: the rule that it keeps, '{}'", study.path(), text), std::move(rule).error());
+      }
+      rules.push_back(std::move(*rule));
+    }
+    return rules;
+  }
   for (const std::string& text : options.rules) {
     Result<Rule> rule = parse_rule(text, vocabulary);
     if (!rule) {
@@ -48,6 +62,30 @@ Result<std::vector<Rule>> rules_of(const VerifyFlags& options, const Vocabulary&
     rules.insert(rules.end(), read->begin(), read->end());
   }
   return rules;
+}
+
+// For the next time: the study then has them, beside those that it has.
+Result<void> keep_rules(const std::string& path, const std::vector<Rule>& rules) {
+  Result<Study> study = Study::open(path);
+  if (!study) {
+    return tl::unexpected(std::move(study).error());
+  }
+  return study->change_problem([&](Problem& problem) -> Result<void> {
+    for (const Rule& rule : rules) {
+      if (rule.text.size() > kMaxRule) {
+        return bad_input(
+            fmt::format("--keep: a rule has {} characters: expected at most {}", rule.text.size(), kMaxRule));
+      }
+      if (std::find(problem.rules.begin(), problem.rules.end(), rule.text) != problem.rules.end()) {
+        continue;
+      }
+      if (problem.rules.size() == kMaxRules) {
+        return bad_input(fmt::format("--keep: {} keeps {} rules: expected no more", path, kMaxRules));
+      }
+      problem.rules.push_back(rule.text);
+    }
+    return {};
+  });
 }
 
 Result<std::vector<Event>> events_of(const VerifyFlags& options, const Study& study) {
@@ -72,9 +110,17 @@ Result<void> verify_command(const VerifyFlags& options, const StopFlag& stop) {
   }
   const auto& [study, tree] = *given;
   const Chain& chain = study.chain();
-  const Result<std::vector<Rule>> rules = rules_of(options, chain.vocabulary());
+  const Result<std::vector<Rule>> rules = rules_of(options, study);
   if (!rules) {
     return tl::unexpected(rules.error());
+  }
+  if (options.keep) {
+    if (options.rules.empty() && options.rule_file.empty()) {
+      return bad_input("--keep without --rule or --rules: expected a rule to keep");
+    }
+    if (const Result<void> kept = keep_rules(options.tree.study, *rules); !kept) {
+      return kept;
+    }
   }
   const Result<std::vector<Event>> events = events_of(options, study);
   if (!events) {
@@ -155,6 +201,8 @@ void add_verify(CLI::App& app, Invocation& invocation) {
       ->type_name("RULE")
       ->allow_extra_args(false);
   command->add_option("--rules", options->rule_file, "The same for a file of rules, one a line")->type_name("FILE");
+  command->add_flag("--keep", options->keep,
+                    "Keep these rules in the study: later calls without a rule prove them, as report and studio do");
   command
       ->add_option("--event", options->events,
                    "What to count, instead of the world's own events: a test of a pair's mean reward; may be repeated")
@@ -175,6 +223,7 @@ void add_verify(CLI::App& app, Invocation& invocation) {
       {.episodes = "Episodes in the simulator, shown beside; 0: none", .seed = "Of the draws and the simulator"});
   add_json_flag(*command, options->json);
   command->footer(
+      "Without a rule given it proves those that the study keeps ('coppice info' lists them).\n"
       "A rule is 'never ACTION when CONDITION' or 'always ACTION when CONDITION'; 'or' joins actions, 'and' and\n"
       "'or' join tests (s3=0, s3!=0, x<=4), 'none' is no action. Ends with 1 when a rule is broken.\n"
       "Examples:\n"

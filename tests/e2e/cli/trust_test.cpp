@@ -52,6 +52,21 @@ TEST_F(Trust, ARuleThatIsBrokenEndsWithOneAndNamesTheObservation) {
   EXPECT_NE(text.error.find("breaks 1 of 1 rule"), std::string::npos) << text.error;
 }
 
+TEST_F(Trust, RulesThatTheStudyKeepsAreProvedWithoutTypingThemAgain) {
+  EXPECT_EQ(verified({})["rules"].size(), 0U);
+  expect_wrong_use({"verify", "study.coppice", "--tree", "move", "--keep"}, {"--keep without --rule or --rules"});
+  verified({"--rule", "never move when s3=0", "--rule", "never none", "--keep"});
+  verified({"--rule", "never none", "--keep"});  // is there already
+  const auto kept = verified({})["rules"];
+  ASSERT_EQ(kept.size(), 2U);
+  EXPECT_EQ(kept[0]["rule"], "never move when s3=0");
+  EXPECT_EQ(kept[0]["holds"], true);
+  EXPECT_EQ(verified({"--rule", "never move when s3=1"}, kFailed)["rules"].size(), 1U) << "those given stand alone";
+  const auto info = coppice_json({"info", "study.coppice", "--json"});
+  EXPECT_EQ(info["rules"], (nlohmann::json{"never move when s3=0", "never none"}));
+  EXPECT_NE(coppice({"info", "study.coppice"}).output.find("rules kept"), std::string::npos);
+}
+
 TEST_F(Trust, ATreeThatMovesIntoWallsCollidesForSure) {
   const Completed completed = coppice({"verify", "study.coppice", "--tree", "move", "--resamples", "20", "--json"});
   ASSERT_EQ(completed.ending, kDone) << completed.error;
