@@ -73,20 +73,24 @@ Result<FoundFront> front_of(const Study& study, std::optional<std::int64_t> want
 Result<std::vector<ControllerScore>> simulate_front(const Study& study, const Front& front,
                                                     const SimulateOption& option, const StopFlag& stop) {
   const SimulateSettings settings = settings_of(option, study);
-  std::vector<ControllerScore> scores;
-  Progress progress(stderr, progress_settings_for(stderr), "front", "trees", front.members.size());
+  std::vector<Tree> trees;
   for (const FrontMember& member : front.members) {
-    const auto episodes = simulated(study, member.tree, settings, option.simulator, stop);
-    if (!episodes) {
-      return tl::unexpected(episodes.error());
-    }
-    if (!*episodes) {
-      return bad_input(fmt::format(
-          "{}: has no simulator: expected --simulator COMMAND with --episodes, or a study of one of our worlds",
-          study.path()));
-    }
-    scores.push_back(controller_score(**episodes));
-    progress.update(scores.size());
+    trees.push_back(member.tree);
+  }
+  Progress progress(stderr, progress_settings_for(stderr), "front", "trees", trees.size());
+  const auto all =
+      simulated_all(study, trees, settings, option.simulator, stop, [&](std::size_t done) { progress.update(done); });
+  if (!all) {
+    return tl::unexpected(all.error());
+  }
+  if (!*all) {
+    return bad_input(fmt::format(
+        "{}: has no simulator: expected --simulator COMMAND with --episodes, or a study of one of our worlds",
+        study.path()));
+  }
+  std::vector<ControllerScore> scores;
+  for (const std::vector<EpisodeRecord>& episodes : **all) {
+    scores.push_back(controller_score(episodes));
   }
   return scores;
 }

@@ -27,9 +27,9 @@ struct OutsideEpisode {
 
 class OutsideWalk {
  public:
-  OutsideWalk(ExternalSimulator simulator, const Chain& chain, const Tree* tree, const SimulateSettings& settings,
+  OutsideWalk(ExternalSimulator& simulator, const Chain& chain, const Tree* tree, const SimulateSettings& settings,
               const SimulateProgress& go_on, const SimulateWatch& watch)
-      : simulator_(std::move(simulator)),
+      : simulator_(simulator),
         chain_(chain),
         tree_(tree),
         settings_(settings),
@@ -188,7 +188,7 @@ class OutsideWalk {
     return {};
   }
 
-  ExternalSimulator simulator_;
+  ExternalSimulator& simulator_;
   const Chain& chain_;
   const Tree* tree_;
   const SimulateSettings& settings_;
@@ -211,7 +211,31 @@ Result<std::vector<EpisodeRecord>> simulate_outside(const std::string& command, 
   if (!simulator) {
     return tl::unexpected(std::move(simulator).error());
   }
-  return OutsideWalk(*std::move(simulator), chain, tree, settings, go_on, watch).run();
+  return OutsideWalk(*simulator, chain, tree, settings, go_on, watch).run();
+}
+
+Result<std::vector<std::vector<EpisodeRecord>>> simulate_outside_all(const std::string& command, const Chain& chain,
+                                                                     std::span<const Tree> trees,
+                                                                     const SimulateSettings& settings,
+                                                                     const SimulateProgress& go_on,
+                                                                     const std::function<void(std::size_t)>& done) {
+  Result<ExternalSimulator> simulator = ExternalSimulator::start(command, chain.vocabulary(), settings.stop);
+  if (!simulator) {
+    return tl::unexpected(std::move(simulator).error());
+  }
+  const SimulateWatch unwatched;
+  std::vector<std::vector<EpisodeRecord>> all;
+  for (const Tree& tree : trees) {
+    auto episodes = OutsideWalk(*simulator, chain, &tree, settings, go_on, unwatched).run();
+    if (!episodes) {
+      return tl::unexpected(std::move(episodes).error());
+    }
+    all.push_back(*std::move(episodes));
+    if (done) {
+      done(all.size());
+    }
+  }
+  return all;
 }
 
 }  // namespace coppice

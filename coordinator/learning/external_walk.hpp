@@ -2,6 +2,9 @@
 // same records. The tree is ticked on the readings themselves, so it runs on observations that the chain never met.
 #pragma once
 
+#include <cstddef>
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,5 +20,13 @@ namespace coppice {
 Result<std::vector<EpisodeRecord>> simulate_outside(const std::string& command, const Chain& chain, const Tree* tree,
                                                     const SimulateSettings& settings, const SimulateProgress& go_on,
                                                     const SimulateWatch& watch);
+
+// The same for many trees, one after the other in one process: [trees][episodes]. `done` is told how many trees are
+// done; may be empty.
+Result<std::vector<std::vector<EpisodeRecord>>> simulate_outside_all(const std::string& command, const Chain& chain,
+                                                                     std::span<const Tree> trees,
+                                                                     const SimulateSettings& settings,
+                                                                     const SimulateProgress& go_on,
+                                                                     const std::function<void(std::size_t)>& done);
 
 }  // namespace coppice

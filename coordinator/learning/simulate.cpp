@@ -122,6 +122,28 @@ Result<std::vector<EpisodeRecord>> simulate_tree(const World& world, const Chain
   return simulate(world, chain, &tree, settings, go_on, watch);
 }
 
+Result<std::vector<std::vector<EpisodeRecord>>> simulate_trees(const World& world, const Chain& chain,
+                                                               std::span<const Tree> trees,
+                                                               const SimulateSettings& settings,
+                                                               const SimulateProgress& go_on,
+                                                               const std::function<void(std::size_t)>& done) {
+  if (world.kind == WorldKind::outside) {
+    return simulate_outside_all(world.simulator, chain, trees, settings, go_on, done);
+  }
+  std::vector<std::vector<EpisodeRecord>> all;
+  for (const Tree& tree : trees) {
+    auto episodes = simulate_tree(world, chain, tree, settings, go_on);
+    if (!episodes) {
+      return tl::unexpected(std::move(episodes).error());
+    }
+    all.push_back(*std::move(episodes));
+    if (done) {
+      done(all.size());
+    }
+  }
+  return all;
+}
+
 Result<std::vector<EpisodeRecord>> simulate_policy(const World& world, const Chain& chain,
                                                    const SimulateSettings& settings, const SimulateProgress& go_on) {
   return simulate(world, chain, nullptr, settings, go_on, {});

@@ -1,6 +1,7 @@
 // A controller in the simulator: what thesis Table IV calls "in simulation".
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -57,6 +58,14 @@ using SimulateWatch = std::function<void(const SimulatedStep&)>;
 Result<std::vector<EpisodeRecord>> simulate_tree(const World& world, const Chain& chain, const Tree& tree,
                                                  const SimulateSettings& settings, const SimulateProgress& go_on = {},
                                                  const SimulateWatch& watch = {});
+
+// The same for many trees, all on the same episodes; an outside world's simulator is started once. [trees][episodes]
+// `done` is told how many trees are done; may be empty.
+Result<std::vector<std::vector<EpisodeRecord>>> simulate_trees(const World& world, const Chain& chain,
+                                                               std::span<const Tree> trees,
+                                                               const SimulateSettings& settings,
+                                                               const SimulateProgress& go_on = {},
+                                                               const std::function<void(std::size_t)>& done = {});
 
 // Runs the learned policy itself; in a state that the chain does not know it takes action 0 (what greedy on an
 // empty row of Q gives).

@@ -42,12 +42,12 @@ Result<void> keep_simulator(const std::string& study_path, const std::string& si
   });
 }
 
-Result<std::optional<std::vector<EpisodeRecord>>> simulated(const Study& study, const Tree& tree,
-                                                            const SimulateSettings& settings,
-                                                            const std::string& simulator, const StopFlag& stop) {
-  using Episodes = std::optional<std::vector<EpisodeRecord>>;
+Result<std::optional<std::vector<std::vector<EpisodeRecord>>>> simulated_all(
+    const Study& study, std::span<const Tree> trees, const SimulateSettings& settings, const std::string& simulator,
+    const StopFlag& stop, const std::function<void(std::size_t)>& done) {
+  using OfTrees = std::optional<std::vector<std::vector<EpisodeRecord>>>;
   if (simulator.empty() && !has_simulator(study)) {
-    return Episodes();
+    return OfTrees();
   }
   const Result<World> world = world_of(study, simulator);
   if (!world) {
@@ -58,8 +58,17 @@ Result<std::optional<std::vector<EpisodeRecord>>> simulated(const Study& study, 
   }
   SimulateSettings stopped_by = settings;
   stopped_by.stop = &stop;
-  return simulate_tree(*world, study.chain(), tree, stopped_by, [&] { return !stop.raised(); })
-      .map([](std::vector<EpisodeRecord> episodes) { return Episodes(std::move(episodes)); });
+  return simulate_trees(
+             *world, study.chain(), trees, stopped_by, [&] { return !stop.raised(); }, done)
+      .map([](std::vector<std::vector<EpisodeRecord>> all) { return OfTrees(std::move(all)); });
+}
+
+Result<std::optional<std::vector<EpisodeRecord>>> simulated(const Study& study, const Tree& tree,
+                                                            const SimulateSettings& settings,
+                                                            const std::string& simulator, const StopFlag& stop) {
+  return simulated_all(study, std::span(&tree, 1), settings, simulator, stop, {}).map([](auto all) {
+    return all ? std::optional(std::move(all->front())) : std::nullopt;
+  });
 }
 
 }  // namespace coppice

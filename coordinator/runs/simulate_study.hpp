@@ -1,7 +1,10 @@
 // A tree in the simulator of a study: the problem's own, or that of its world.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,5 +32,11 @@ Result<void> keep_simulator(const std::string& study_path, const std::string& si
 Result<std::optional<std::vector<EpisodeRecord>>> simulated(const Study& study, const Tree& tree,
                                                             const SimulateSettings& settings,
                                                             const std::string& simulator, const StopFlag& stop);
+
+// The same for many trees, all on the same episodes and, of the problem's own simulator, in one process.
+// [trees][episodes] `done` is told how many trees are done; may be empty.
+Result<std::optional<std::vector<std::vector<EpisodeRecord>>>> simulated_all(
+    const Study& study, std::span<const Tree> trees, const SimulateSettings& settings, const std::string& simulator,
+    const StopFlag& stop, const std::function<void(std::size_t)>& done);
 
 }  // namespace coppice

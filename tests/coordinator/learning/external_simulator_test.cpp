@@ -13,6 +13,7 @@
 #include "common/tree/text.hpp"
 #include "coordinator/learning/child_process.hpp"
 #include "coordinator/learning/simulate.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace coppice {
 namespace {
@@ -269,6 +270,30 @@ TEST(ExternalSimulator, stops_between_episodes_when_it_is_told_to) {
                                      {.episodes = 100, .steps = 10, .seed = 1}, [&] { return ++asked < 3; });
   ASSERT_FALSE(records);
   EXPECT_EQ(records.error().kind, ErrorKind::interrupted);
+}
+
+TEST(SimulateOutside, trees_of_one_call_share_one_process_and_their_figures_are_those_of_each_alone) {
+  const testing::TemporaryFolder folder;
+  const std::string started = folder / "started";
+  const World world = outside_world(fmt::format("echo once >> '{}'; {}", started, corridor()), kVocabulary);
+  const std::vector<Tree> trees = {tree_of("go"), tree_of("(selector (sequence x=0 go) go)"), tree_of("go")};
+  std::vector<std::size_t> told;
+  const auto all = simulate_trees(world, chain_with(), trees, {.episodes = 3, .steps = 10, .seed = 1}, {},
+                                  [&](std::size_t done) { told.push_back(done); });
+  ASSERT_TRUE(all) << all.error().message;
+  EXPECT_EQ(std::filesystem::file_size(started), 5U) << "one line: it was started once";
+  EXPECT_EQ(told, (std::vector<std::size_t>{1, 2, 3}));
+  ASSERT_EQ(all->size(), 3U);
+  for (std::size_t t = 0; t < trees.size(); ++t) {
+    const auto alone = simulate_tree(world, chain_with(), trees[t], {.episodes = 3, .steps = 10, .seed = 1});
+    ASSERT_TRUE(alone) << alone.error().message;
+    ASSERT_EQ((*all)[t].size(), 3U);
+    for (std::size_t episode = 0; episode < 3; ++episode) {
+      EXPECT_EQ((*all)[t][episode].reward, 2.0);
+      EXPECT_EQ((*all)[t][episode].reward, (*alone)[episode].reward);
+      EXPECT_EQ((*all)[t][episode].steps, (*alone)[episode].steps);
+    }
+  }
 }
 
 }  // namespace
