@@ -9,15 +9,24 @@
 #include "coordinator/console/progress.hpp"
 
 namespace coppice {
+namespace {
+
+// Which algorithm a world is learned with unless told otherwise. With a battery, states that look alike are worth
+// different things, and what SARSA learns of them is what its own policy meets: README.md of learning has figures.
+Algorithm usual_algorithm(WorldKind kind) {
+  return kind == WorldKind::battery ? Algorithm::sarsa : Algorithm::q_learning;
+}
+
+}  // namespace
+
 void add_learn_options(CLI::App& command, LearnOptions& options) {
   command
       .add_option("--world", options.world,
                   "The room of the thesis, a room with a battery to charge, the windy grid, or a room of yours")
       ->type_name("uav|battery|windy|FILE.room")
       ->capture_default_str();
-  command.add_option("--algorithm", options.algorithm, "How to learn")
-      ->type_name("q-learning|sarsa")
-      ->capture_default_str();
+  command.add_option("--algorithm", options.algorithm, "How to learn (default: q-learning; battery: sarsa)")
+      ->type_name("q-learning|sarsa");
   command.add_option("--episodes", options.episodes, "Episodes to learn from (default: as the thesis has it)")
       ->check(whole_number());
   command.add_option("--greedy-episodes", options.greedy_episodes, "More episodes behind those, without exploration")
@@ -37,7 +46,9 @@ Result<LearnTask> learn_task(const LearnOptions& options, std::uint64_t seed) {
   if (!world) {
     return in_context("--world", std::move(world).error());
   }
-  const Result<Algorithm> algorithm = value_named<Algorithm>("algorithm", options.algorithm);
+  const Result<Algorithm> algorithm = options.algorithm.empty()
+                                          ? Result<Algorithm>(usual_algorithm(world->kind))
+                                          : value_named<Algorithm>("algorithm", options.algorithm);
   if (!algorithm) {
     return in_context("--algorithm", algorithm.error());
   }

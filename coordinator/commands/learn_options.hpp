@@ -18,7 +18,7 @@ namespace coppice {
 // What the user gave; the rest is default_settings() of the world.
 struct LearnOptions {
   std::string world = "uav";
-  std::string algorithm = "q-learning";
+  std::string algorithm;  // empty: that of the world
   std::optional<std::uint64_t> episodes;
   std::uint64_t greedy_episodes = 0;
   std::optional<std::uint32_t> steps;

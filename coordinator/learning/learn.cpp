@@ -49,9 +49,11 @@ LearnSettings default_settings(WorldKind kind, Algorithm algorithm) {
     settings.decay = Decay::linear;
   }
   if (kind == WorldKind::battery) {
+    // A flight is 100 steps, so the fall has to be felt from far (gamma), and states that look alike have to be
+    // averaged over (alpha): README.md, "A battery to charge".
     settings.steps = 300;
-    settings.alpha = 0.1;
-    settings.gamma = 0.95;
+    settings.alpha = algorithm == Algorithm::sarsa ? 0.05 : 0.02;
+    settings.gamma = algorithm == Algorithm::sarsa ? 0.98 : 0.99;
   }
   return settings;
 }
