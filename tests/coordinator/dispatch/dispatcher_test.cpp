@@ -495,7 +495,7 @@ TEST_F(Dispatching, CopiesNothingWhileAllKeepTheirPace) {
   for (std::uint64_t worker = 1; worker <= kWorkers; ++worker) {
     come(worker);
   }
-  for (int epoch = 0; epoch < 10; ++epoch) {
+  for (int epoch = 0; epoch < 30; ++epoch) {
     std::vector<RequestId> demes;
     for (std::uint64_t deme = 0; deme < kWorkers; ++deme) {
       demes.push_back(request(1));
