@@ -8,6 +8,8 @@
 #include <string_view>
 #include <sys/prctl.h>
 
+#include "common/cores.hpp"
+
 namespace coppice {
 namespace {
 
@@ -59,7 +61,8 @@ Lane::Lane(WorkerState& state, wire::Waiter waiter, const wire::Reader<wire::Tas
     : state_(state), waiter_(std::move(waiter)), tasks_(tasks), answers_(answers) {}
 
 Result<std::unique_ptr<Lane>> Lane::start(WorkerState& state, const wire::Participant& participant,
-                                          const wire::Reader<wire::Task>& tasks, wire::Writer<wire::Answer>& answers) {
+                                          const wire::Reader<wire::Task>& tasks, wire::Writer<wire::Answer>& answers,
+                                          std::optional<int> core) {
   auto waiter = wire::Waiter::make(participant);
   if (!waiter) {
     return tl::unexpected(waiter.error());
@@ -68,7 +71,14 @@ Result<std::unique_ptr<Lane>> Lane::start(WorkerState& state, const wire::Partic
     return tl::unexpected(ok.error());
   }
   std::unique_ptr<Lane> lane(new Lane(state, std::move(*waiter), tasks, answers));
-  lane->thread_ = std::thread([raw = lane.get()] { raw->run(); });
+  lane->thread_ = std::thread([raw = lane.get(), core] {
+    if (core) {
+      if (const auto stays = stay_on_cores({&*core, 1}); !stays) {
+        spdlog::warn("an evaluating thread runs on any core: {}", stays.error().message);
+      }
+    }
+    raw->run();
+  });
   return lane;
 }
 

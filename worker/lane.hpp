@@ -52,10 +52,11 @@ struct WorkerState {
 
 class Lane {
  public:
-  // Starts the thread. `state`, `tasks` and `answers` outlive it; both DDS entities may be shared by lanes.
+  // Starts the thread, on `core` if one is given (common/cores.hpp). `state`, `tasks` and `answers` outlive it; both
+  // DDS entities may be shared by lanes. Errors: no DDS entity can be made.
   static Result<std::unique_ptr<Lane>> start(WorkerState& state, const wire::Participant& participant,
-                                             const wire::Reader<wire::Task>& tasks,
-                                             wire::Writer<wire::Answer>& answers);
+                                             const wire::Reader<wire::Task>& tasks, wire::Writer<wire::Answer>& answers,
+                                             std::optional<int> core);
   ~Lane();
   Lane(const Lane&) = delete;
   Lane& operator=(const Lane&) = delete;

@@ -8,7 +8,9 @@
 #include <string>
 #include <sys/prctl.h>
 #include <unistd.h>
+#include <vector>
 
+#include "common/cores.hpp"
 #include "common/duration.hpp"
 #include "common/exit_code.hpp"
 #include "common/json_log.hpp"
@@ -26,12 +28,25 @@ namespace {
 
 constexpr std::uint32_t kMaxThreads = 1024;
 constexpr std::uint32_t kMaxPort = 65535;
-const int kWrongUse = coppice::to_int(coppice::ExitCode::wrong_use);
+constexpr int kWrongUse = coppice::to_int(coppice::ExitCode::wrong_use);
 
 // A worker that a coordinator started dies with it, also when that was killed.
 bool follow_parent(pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   return getppid() == parent;  // else it died before prctl
+}
+
+// Before any thread is started. Each lane keeps to one of them then (worker/lane.hpp); what DDS starts may use them
+// all, and wakes where the lanes that it serves are, not beside those of another worker.
+coppice::Result<void> settle_on(const std::vector<int>& cores, std::uint32_t threads) {
+  if (cores.empty()) {
+    return {};
+  }
+  if (cores.size() != threads) {
+    return coppice::bad_input(
+        fmt::format("found {}, expected as many as there are evaluating threads, {}", cores.size(), threads));
+  }
+  return coppice::stay_on_cores(cores);
 }
 
 int complain(const coppice::Error& error) {
@@ -71,6 +86,12 @@ int run(int argc, char** argv) {
   app.add_option("--threads", options.threads, "Evaluating threads")
       ->check(CLI::Range(1U, kMaxThreads))
       ->capture_default_str();
+  app.add_option("--cores", options.cores,
+                 "Keep each evaluating thread on a core of its own, for a machine that does little else: as many "
+                 "numbers as there are threads, as 0,1,2,3. A coordinator does so with workers of its own that fill "
+                 "the machine")
+      ->type_name("CORE,...")
+      ->delimiter(',');
   app.add_option("--pace", pace,
                  "Take at least so long for each individual: evaluate it, then rest. For capacity planning, many "
                  "workers on few cores; results are the same")
@@ -119,6 +140,10 @@ int run(int argc, char** argv) {
     spdlog::set_pattern("%n: %v");
   }
   spdlog::set_level(spdlog::level::from_str(log_level));
+  if (const auto fits = settle_on(options.cores, options.threads); !fits) {
+    spdlog::error("--cores: {}", fits.error().message);
+    return kWrongUse;
+  }
   if (!pace.empty()) {
     const auto duration = coppice::duration_of(pace);
     if (!duration) {

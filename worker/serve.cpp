@@ -161,7 +161,8 @@ Result<std::unique_ptr<Server>> Server::open(const ServeOptions& options, Worker
 
 Result<void> Server::start_lanes() {
   for (std::uint32_t i = 0; i < options_.threads; ++i) {
-    auto lane = Lane::start(state_, participant_, tasks_, answers_);
+    auto lane = Lane::start(state_, participant_, tasks_, answers_,
+                            options_.cores.empty() ? std::nullopt : std::optional(options_.cores.at(i)));
     if (!lane) {
       stop_lanes();
       state_.come_back();  // for the next try
@@ -401,13 +402,13 @@ Result<void> serve(const ServeOptions& options, const StopFlag& stop) {
   }
   Rest rest(stop);
   Absence absence(options);
-  std::optional<Clock::time_point> complained;
+  Clock::time_point next_complaint = Clock::time_point::min();
   while (!stop.raised()) {
     // A name belongs to the DDS participant that was first heard under it: another participant, another name.
     state.worker = wire::random_identity();
     auto server = Server::open(options, state, cache ? &*cache : nullptr);
     if (server) {
-      complained.reset();
+      next_complaint = Clock::time_point::min();
       options.figures->manager.ready();
       if (auto ok = (*server)->run(stop, absence); !ok) {
         return ok;
@@ -417,8 +418,8 @@ Result<void> serve(const ServeOptions& options, const StopFlag& stop) {
       continue;
     }
     // A host that is not up yet, a name that is not known yet, a network that is away: it may come.
-    if (!complained || Clock::now() - *complained > kComplainEvery) {
-      complained = Clock::now();
+    if (Clock::now() >= next_complaint) {
+      next_complaint = Clock::now() + kComplainEvery;
       spdlog::warn("{}; trying again until it can be reached", server.error().message);
     }
     options.figures->turn();

@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "common/error.hpp"
 #include "common/evolution/epoch.hpp"
@@ -24,6 +25,7 @@ struct ServeOptions {
   std::uint32_t domain = 0;
   wire::Network network;
   std::uint32_t threads = 1;
+  std::vector<int> cores;            // of the threads, one each; empty: wherever the system likes
   std::chrono::nanoseconds pace{0};  // see WorkerState
   std::string cache;                 // folder for chains that outlive this process; empty: none
   std::uint32_t protocol = 0;        // what this program speaks; coordinators that speak another are refused

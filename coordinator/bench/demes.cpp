@@ -44,7 +44,7 @@ Result<std::vector<Runner>> runners_of(const std::shared_ptr<const Chain>& chain
     FleetOptions options;
     options.local_workers = team.workers;
     options.worker_program = settings.worker_program;
-    options.worker_flags.assign(team.workers, {"--threads", std::to_string(team.threads)});
+    options.worker_threads = team.threads;
     auto fleet = FleetEvaluator::open(chain, std::move(options), stop);
     if (!fleet) {
       return tl::unexpected(fleet.error());
@@ -139,6 +139,7 @@ class DemeMeasurement {
   double run_abreast() {
     const Stopwatch watch;
     std::vector<std::thread> threads;
+    threads.reserve(abreast_);
     for (std::size_t i = 0; i < abreast_; ++i) {
       threads.emplace_back([this] {
         auto serial = SerialEvaluator::make(chain_, stop_);

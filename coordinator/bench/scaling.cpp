@@ -42,8 +42,8 @@ Result<std::vector<Contender>> open_contenders(const std::shared_ptr<const Chain
       flags = {"--security", (settings.security / "worker").string()};
     }
     const std::vector<LocalWorkers::Flags> of_echoes(team.workers, flags);
-    flags.insert(flags.end(), {"--threads", std::to_string(team.threads)});
-    options.worker_flags.assign(team.workers, flags);
+    options.worker_threads = team.threads;
+    options.worker_flags = of_echoes;
     const wire::Network network = options.network;
     auto evaluator = FleetEvaluator::open(chain, std::move(options), stop);
     if (!evaluator) {

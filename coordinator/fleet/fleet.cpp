@@ -115,7 +115,7 @@ Result<void> Fleet::start_workers() {
   }
   auto flags = options_.worker_flags;
   flags.resize(options_.local_workers);
-  auto local = LocalWorkers::start(options_.worker_program, flags, domain());
+  auto local = LocalWorkers::start(options_.worker_program, flags, domain(), options_.worker_threads);
   if (!local) {
     return tl::unexpected(local.error());
   }

@@ -40,6 +40,7 @@ struct FleetOptions {
   wire::Network network;
   std::size_t local_workers = 0;                  // to start on this machine; 0: wait for others
   std::filesystem::path worker_program;           // for them, and to compute apart; empty: find_worker_program()
+  std::uint32_t worker_threads = 1;               // of each of them
   std::vector<LocalWorkers::Flags> worker_flags;  // more for the first of them
   std::chrono::milliseconds wait_limit{600'000};  // without any worker for this long, requests fail
   double cross_check = 0.0;                       // share of all units, see CrossCheck
@@ -136,6 +137,7 @@ class Fleet {
 
   // Actions. Errors: interrupted.
   Result<void> perform(Actions& actions);
+  void send_own_core_last(Actions& actions) const;
   Result<void> perform(const OpenLink& action);
   Result<void> perform(const CloseLink& action);
   Result<void> perform(const SendTask& action);

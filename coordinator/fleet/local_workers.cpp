@@ -1,10 +1,12 @@
 #include "coordinator/fleet/local_workers.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <signal.h>
 #include <sstream>
 #include <sys/wait.h>
@@ -12,6 +14,7 @@
 #include <unistd.h>
 #include <utility>
 
+#include "common/cores.hpp"
 #include "coordinator/fleet/spawn.hpp"
 
 namespace coppice {
@@ -29,13 +32,19 @@ std::string how_it_ended(int status) {
 
 }  // namespace
 
-Result<pid_t> LocalWorkers::spawn(const Flags& flags) const {
+Result<pid_t> LocalWorkers::spawn(const Worker& worker) const {
   const std::string domain = std::to_string(domain_);
+  const std::string threads = std::to_string(threads_);
+  const std::string cores = fmt::format("{}", fmt::join(worker.cores, ","));
   const std::string parent = std::to_string(getpid());
   const std::string program = program_.string();
-  std::vector<const char*> arguments = {program.c_str(), "--coordinator", "127.0.0.1",   "--domain", domain.c_str(),
-                                        "--parent",      parent.c_str(),  "--log-level", "warn"};
-  for (const std::string& flag : flags) {
+  std::vector<const char*> arguments = {program.c_str(), "--coordinator", "127.0.0.1",    "--domain",
+                                        domain.c_str(),  "--parent",      parent.c_str(), "--log-level",
+                                        "warn",          "--threads",     threads.c_str()};
+  if (!worker.cores.empty()) {
+    arguments.insert(arguments.end(), {"--cores", cores.c_str()});
+  }
+  for (const std::string& flag : worker.flags) {
     arguments.push_back(flag.c_str());
   }
   return spawn_in_own_group(std::move(arguments));
@@ -49,20 +58,31 @@ Result<void> LocalWorkers::check(const std::filesystem::path& program) {
 }
 
 Result<LocalWorkers> LocalWorkers::start(const std::filesystem::path& program, const std::vector<Flags>& flags,
-                                         std::uint32_t domain) {
-  LocalWorkers workers(program, domain);
-  for (const Flags& own : flags) {
-    const auto pid = workers.spawn(own);
+                                         std::uint32_t domain, std::uint32_t threads) {
+  LocalWorkers workers(program, domain, threads);
+  const std::vector<int> cores = usable_cores();
+  const bool fill_the_machine = flags.size() * threads == cores.size();
+  for (std::size_t place = 0; place < flags.size(); ++place) {
+    Worker worker{.flags = flags[place]};
+    if (fill_the_machine) {
+      const auto first = cores.begin() + static_cast<std::ptrdiff_t>(place * threads);
+      worker.cores.assign(first, first + threads);
+    }
+    const auto pid = workers.spawn(worker);
     if (!pid) {
       return tl::unexpected(pid.error());
     }
-    workers.workers_.push_back({.pid = *pid, .flags = own});
+    worker.pid = *pid;
+    workers.workers_.push_back(std::move(worker));
   }
   return workers;
 }
 
 LocalWorkers::LocalWorkers(LocalWorkers&& other) noexcept
-    : program_(std::move(other.program_)), domain_(other.domain_), workers_(std::move(other.workers_)) {
+    : program_(std::move(other.program_)),
+      domain_(other.domain_),
+      threads_(other.threads_),
+      workers_(std::move(other.workers_)) {
   other.workers_.clear();
 }
 
@@ -107,11 +127,17 @@ std::vector<LocalWorkers::Ended> LocalWorkers::reap() {
 
 Result<pid_t> LocalWorkers::start_again(std::size_t place) {
   Worker& worker = workers_.at(place);
-  auto pid = spawn(worker.flags);
+  auto pid = spawn(worker);
   if (pid) {
     worker.pid = *pid;
   }
   return pid;
+}
+
+bool LocalWorkers::keeps_to(pid_t worker, int core) const {
+  return std::ranges::any_of(workers_, [&](const Worker& local) {
+    return local.pid == worker && std::ranges::find(local.cores, core) != local.cores.end();
+  });
 }
 
 std::vector<pid_t> LocalWorkers::pids() const {

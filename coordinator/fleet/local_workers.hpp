@@ -20,12 +20,13 @@ class LocalWorkers {
   static constexpr std::size_t kMaxWorkers = 1024;
 
   // Starts workers of `program` for the coordinator of this machine in `domain`: one for each list of flags, which it
-  // gets beside those that bring it here.
+  // gets beside those that bring it here. Each evaluates with so many threads; if all threads together are as many as
+  // the cores, each has a core of its own (common/cores.hpp).
   // REQUIRES: the calling thread lives as long as the workers: they die with it. Errors: the program cannot be
   // started (those that were are stopped).
   using Flags = std::vector<std::string>;
   static Result<LocalWorkers> start(const std::filesystem::path& program, const std::vector<Flags>& flags,
-                                    std::uint32_t domain);
+                                    std::uint32_t domain, std::uint32_t threads = 1);
   static Result<LocalWorkers> start(const std::filesystem::path& program, std::size_t count, std::uint32_t domain) {
     return start(program, std::vector<Flags>(count), domain);
   }
@@ -50,6 +51,8 @@ class LocalWorkers {
   // Another one in the place of one that was reaped, with the same flags. Errors: it cannot be started.
   Result<pid_t> start_again(std::size_t place);
 
+  // Whether this one was given the core for itself.
+  bool keeps_to(pid_t worker, int core) const;
   // Those that run.
   std::vector<pid_t> pids() const;
   std::size_t running() const { return pids().size(); }
@@ -58,13 +61,16 @@ class LocalWorkers {
   struct Worker {
     pid_t pid = 0;  // 0: ended
     Flags flags;
+    std::vector<int> cores = {};  // empty: wherever the system likes
   };
 
-  LocalWorkers(std::filesystem::path program, std::uint32_t domain) : program_(std::move(program)), domain_(domain) {}
-  Result<pid_t> spawn(const Flags& flags) const;
+  LocalWorkers(std::filesystem::path program, std::uint32_t domain, std::uint32_t threads)
+      : program_(std::move(program)), domain_(domain), threads_(threads) {}
+  Result<pid_t> spawn(const Worker& worker) const;
 
   std::filesystem::path program_;
   std::uint32_t domain_ = 0;
+  std::uint32_t threads_ = 1;
   std::vector<Worker> workers_;
 };
 

@@ -1,5 +1,8 @@
 // What the dispatcher wants done, done.
+#include <algorithm>
+#include <sched.h>
 #include <spdlog/spdlog.h>
+#include <variant>
 
 #include "common/check.hpp"
 #include "coordinator/fleet/fleet.hpp"
@@ -7,12 +10,27 @@
 namespace coppice {
 
 Result<void> Fleet::perform(Actions& actions) {
+  send_own_core_last(actions);
   for (const Action& action : actions.actions) {
     if (auto ok = std::visit([this](const auto& wanted) { return perform(wanted); }, action); !ok) {
       return ok;
     }
   }
   return {};
+}
+
+// A worker of ours that keeps to the core on which this thread runs begins as soon as something is written to it, and
+// the system may let it have the core for milliseconds, before the others were written to (measured: on two cores one
+// generation in three lost 2 to 4 ms so). What an order of its batches does not change: any order of tasks is right.
+void Fleet::send_own_core_last(Actions& actions) const {
+  if (!local_) {
+    return;
+  }
+  const int core = sched_getcpu();
+  std::stable_partition(actions.actions.begin(), actions.actions.end(), [&](const Action& action) {
+    const auto* const send = std::get_if<SendTask>(&action);
+    return send == nullptr || !local_->keeps_to(dispatcher_.roster().find(send->worker)->pid, core);
+  });
 }
 
 Result<void> Fleet::perform(const OpenLink& action) {

@@ -96,7 +96,7 @@ TEST_P(DemesOverWorkers, EndAsHereWithAnyNumberOfWorkersAndLanes) {
   }
   FleetOptions options;
   options.local_workers = 1;
-  options.worker_flags = {{"--threads", "3"}};
+  options.worker_threads = 3;
   EXPECT_TRUE(run(*open(std::move(options))) == here) << "one worker of three lanes";
 }
 

@@ -2,14 +2,19 @@
 // happens to the workers. Faults are injected when a batch has just gone out, so they hit in mid-generation.
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <gtest/gtest.h>
 #include <map>
 #include <memory>
 #include <set>
 #include <signal.h>
+#include <string>
 #include <sys/wait.h>
+#include <unistd.h>
 #include <vector>
 
+#include "common/cores.hpp"
 #include "common/tree/text.hpp"
 #include "coordinator/dispatch/serial_evaluator.hpp"
 #include "coordinator/fleet/fleet_evaluator.hpp"
@@ -66,6 +71,48 @@ class RemoteEvaluation : public ::testing::Test {
   std::shared_ptr<const Chain> chain_ = oracles::shared_random_chain({.states = 500, .actions = 3, .seed = 7});
   std::vector<Tree> trees_ = oracles::random_trees(chain_->vocabulary(), kTrees, 11);
 };
+
+// Every thread of the process with the cores that it may use, as the kernel tells them.
+std::set<std::string> cores_of_threads(pid_t pid) {
+  std::set<std::string> all;
+  const std::filesystem::path tasks = "/proc/" + std::to_string(pid) + "/task";
+  for (const auto& task : std::filesystem::directory_iterator(tasks)) {
+    std::ifstream status(task.path() / "status");
+    for (std::string line; std::getline(status, line);) {
+      if (line.rfind("Cpus_allowed_list:", 0) == 0) {
+        all.insert(line.substr(line.find_first_not_of(" \t", line.find(':') + 1)));
+      }
+    }
+  }
+  return all;
+}
+
+TEST_F(RemoteEvaluation, WorkersThatFillTheMachineKeepToACoreEach) {
+  const std::vector<int> cores = usable_cores();
+  const auto evaluator = open(cores.size());
+  ASSERT_TRUE(evaluator->await_workers(cores.size()));
+  std::set<std::string> all;
+  for (const pid_t pid : evaluator->ready_pids()) {
+    const auto own = cores_of_threads(pid);
+    EXPECT_EQ(own.size(), 1U) << "threads of one worker on different cores";
+    all.insert(own.begin(), own.end());
+  }
+  std::set<std::string> expected;
+  for (const int core : cores) {
+    expected.insert(std::to_string(core));
+  }
+  EXPECT_EQ(all, expected);
+  expect_equal(*evaluator, 0);
+}
+
+TEST_F(RemoteEvaluation, OtherNumbersOfWorkersRunWhereTheSystemLikes) {
+  const std::vector<int> cores = usable_cores();
+  const auto evaluator = open(cores.size() + 1);
+  ASSERT_TRUE(evaluator->await_workers(cores.size() + 1));
+  for (const pid_t pid : evaluator->ready_pids()) {
+    EXPECT_EQ(cores_of_threads(pid), cores_of_threads(getpid()));
+  }
+}
 
 TEST_F(RemoteEvaluation, GivesTheSerialTalliesWithOneWorker) {
   const auto evaluator = open(1);
