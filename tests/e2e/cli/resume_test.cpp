@@ -19,14 +19,14 @@ class Resume : public EvolvedStudy {
 };
 
 TEST_F(Resume, AfterTheCoordinatorWasKilledAgainAndAgainGivesTheSameResult) {
-  // A pipe holds some 600 lines of progress: so far a coordinator may be ahead of who reads them and kills it, and it
-  // is never resumed behind the next line.
+  // How far ahead of its lines a coordinator is when it is killed, nobody knows: a resumed one is killed at whatever
+  // line it begins with.
   const std::vector<std::string> settings = {"--seed",          "4", "--set", "ga.generations=6000", "--set",
                                              "ga.population=50"};
   const auto expected = serial_runs(settings);
   kill_at("evolve: 70/6000", settings);
-  kill_at("evolve: 2000/6000", {"--resume"});
-  kill_at("evolve: 4000/6000", {"--resume"});
+  kill_at("evolve: ", {"--resume"});
+  kill_at("evolve: ", {"--resume"});
   coppice_json(evolve("study.coppice", {"--resume", "--workers", "1", "--json"}));
   expect_same_runs("study.coppice", expected);
 }
