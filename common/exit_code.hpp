@@ -37,7 +37,7 @@ inline constexpr std::array<ExitCodeRow, 7> kExitCodes = {{
 }};
 // Besides: 130, interrupted a second time before the end; 128 + N in a shell, killed by signal N.
 
-inline int to_int(ExitCode code) { return static_cast<int>(code); }
+constexpr int to_int(ExitCode code) { return static_cast<int>(code); }
 
 // An error about the command line begins with the flag that it is about; that is how it differs from one about a file.
 inline ExitCode exit_code_of(const Error& error) {

@@ -42,7 +42,7 @@ inline std::size_t toml_assertion_line(std::string_view text) {
     try {
       static_cast<void>(toml::parse(text.substr(0, end)));
     } catch (const toml::parse_error&) {
-      // Cut short, or wrong in another way.
+      continue;  // cut short, or wrong in another way
     } catch (const TomlAssertion&) {
       return line + 1;
     }

@@ -22,7 +22,7 @@ TreeDraft branch_of(const Node& condition, std::uint8_t action) {
 
 // What is put at the place. there: what stands there now.
 TreeDraft part_of(const EditCandidate& candidate, const TreeDraft& there) {
-  const TreeDraft condition{candidate.condition};
+  TreeDraft condition{candidate.condition};
   const TreeDraft second{candidate.second_condition};
   switch (candidate.form) {
     case EditForm::action:

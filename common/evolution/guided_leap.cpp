@@ -154,6 +154,7 @@ std::vector<Tree> GuidedClimb::explore(std::span<const double> worth, const Edit
     }
   }
   std::vector<Tree> trees;
+  trees.reserve(beam.size());
   for (Reached& member : beam) {
     trees.push_back(std::move(member.tree));
   }

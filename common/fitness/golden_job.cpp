@@ -129,6 +129,7 @@ std::uint64_t compute_golden_checksum(Simd simd) {
   const auto chain = PreparedChain::make(std::make_shared<const Chain>(golden_chain()));
   Stream stream(kSeed, Purpose::growing, 0, 0);
   std::vector<Tree> trees;
+  trees.reserve(kTrees);
   for (std::size_t i = 0; i < kTrees; ++i) {
     trees.push_back(grow_tree(chain->chain().vocabulary(), {.max_depth = 4}, true,
                               [&](std::uint64_t n) { return stream.below(n); }));

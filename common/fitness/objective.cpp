@@ -36,7 +36,8 @@ Result<void> check_rules(const Chain& chain, const std::vector<ShapedRule>& rule
 
 // `one` where the values are no larger than `fine`; else less, by a power of two, as many times as they are larger.
 double unit_for(double largest, double fine, double one) {
-  for (; largest > fine; largest /= 2.0) {  // ends: largest is finite
+  while (largest > fine) {  // ends: largest is finite
+    largest /= 2.0;
     one /= 2.0;
   }
   return one;

@@ -109,7 +109,7 @@ double now_in_unix_time() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-const double kStarted = now_in_unix_time();  // this file is loaded with the program
+const double started = now_in_unix_time();  // this file is loaded with the program
 
 }  // namespace
 
@@ -120,7 +120,7 @@ void add_process(Exposition& exposition) {
                      seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime));
   exposition.gauge("process_resident_memory_bytes", "Resident memory of this process.", resident_bytes());
   exposition.gauge("process_open_fds", "Open file descriptors of this process.", static_cast<double>(open_files()));
-  exposition.gauge("process_start_time_seconds", "When this process started, in Unix time.", kStarted);
+  exposition.gauge("process_start_time_seconds", "When this process started, in Unix time.", started);
 }
 
 }  // namespace coppice

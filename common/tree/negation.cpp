@@ -51,6 +51,7 @@ bool append_negation(const std::vector<Node>& test, std::size_t i, const Vocabul
   if (node.kind == NodeKind::condition) {
     const Feature& feature = vocabulary.features[node.index];
     std::vector<bool> wanted;
+    wanted.reserve(feature.values.size());
     for (const std::uint8_t value : feature.values) {
       wanted.push_back(node.op == Op::equal ? value != node.value : value > node.value);
     }

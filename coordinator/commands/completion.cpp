@@ -78,6 +78,7 @@ std::vector<Command> commands_of(const CLI::App& app) {
     }
   }
   std::vector<std::string> names;
+  names.reserve(commands.size());
   for (const Command& command : commands) {
     names.push_back(command.name);
   }

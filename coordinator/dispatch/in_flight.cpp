@@ -36,9 +36,10 @@ void InFlight::close(RequestId id) {
   requests_.erase(request);
   for (auto range = queue_.begin(); range != queue_.end();) {
     if (range->request == id) {
-      const std::uint32_t isolated = isolated_waiting_;
       forget_waiting(*range);
-      isolated_waiting_ = COPPICE_MUTATED(isolation_outlives_requests) ? isolated : isolated_waiting_;
+      if (COPPICE_MUTATED(isolation_outlives_requests)) {
+        isolated_waiting_ += range->alone ? range->count : 0;
+      }
       range = queue_.erase(range);
     } else {
       ++range;

@@ -109,6 +109,7 @@ class DemeEvolution {
     std::vector<GenerationRecord> records;
     for (std::size_t i = 0; i < generations; ++i) {
       std::vector<GenerationRecord> of_demes;
+      of_demes.reserve(row.records.size());
       for (const auto& of_deme : row.records) {
         of_demes.push_back(of_deme[i]);
       }

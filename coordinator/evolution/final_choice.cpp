@@ -69,6 +69,7 @@ Evolved FinalChoice::answer(const Reached& reached, std::vector<Tally> tallies) 
   COPPICE_CHECK(tallies.size() == trees.size());
   if (gauge_) {
     std::vector<Individual> kept;
+    kept.reserve(trees.size());
     for (std::size_t i = 0; i < trees.size(); ++i) {
       kept.push_back({std::move(trees[i]), std::move(tallies[i])});
     }
@@ -89,6 +90,7 @@ Evolved FinalChoice::interrupted(const Reached& reached) const {
 
 Evolved FinalChoice::of_front(const Reached& reached, std::vector<Individual> individuals, bool interrupted) const {
   std::vector<FrontIndividual> kept;
+  kept.reserve(individuals.size());
   for (Individual& individual : individuals) {
     kept.push_back(gauge_->of(std::move(individual)));
   }

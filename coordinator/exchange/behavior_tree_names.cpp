@@ -9,63 +9,63 @@ namespace coppice {
 namespace {
 
 // scripting/operators.hpp of BehaviorTree.CPP 4.9: words of the script language; and the entry that we write.
-const std::set<std::string> kScriptWords = {"true", "false", kActionEntry};
+const std::set<std::string> script_words = {"true", "false", kActionEntry};
 
 // The nodes that BehaviorTreeFactory registers by itself (src/bt_factory.cpp, 4.9).
-const std::set<std::string> kBuiltIn = {"Action",
-                                        "AlwaysFailure",
-                                        "AlwaysSuccess",
-                                        "AsyncFallback",
-                                        "AsyncSequence",
-                                        "BehaviorTree",
-                                        "Condition",
-                                        "Control",
-                                        "Decorator",
-                                        "Delay",
-                                        "EntryUpdated",
-                                        "Fallback",
-                                        "ForceFailure",
-                                        "ForceSuccess",
-                                        "IfThenElse",
-                                        "Inverter",
-                                        "KeepRunningUntilFailure",
-                                        "LoopBool",
-                                        "LoopDouble",
-                                        "LoopInt",
-                                        "LoopString",
-                                        "ManualSelector",
-                                        "Parallel",
-                                        "ParallelAll",
-                                        "Precondition",
-                                        "ReactiveFallback",
-                                        "ReactiveSequence",
-                                        "Repeat",
-                                        "RetryUntilSuccessful",
-                                        "RunOnce",
-                                        "Script",
-                                        "ScriptCondition",
-                                        "Sequence",
-                                        "SequenceStar",
-                                        "SequenceWithMemory",
-                                        "SetBlackboard",
-                                        "SkipUnlessUpdated",
-                                        "Sleep",
-                                        "SubTree",
-                                        "Switch2",
-                                        "Switch3",
-                                        "Switch4",
-                                        "Switch5",
-                                        "Switch6",
-                                        "TestNode",
-                                        "Timeout",
-                                        "TreeNodesModel",
-                                        "TryCatch",
-                                        "UnsetBlackboard",
-                                        "WaitValueUpdate",
-                                        "WasEntryUpdated",
-                                        "WhileDoElse",
-                                        "include",
-                                        "root"};
+const std::set<std::string> built_in_nodes = {"Action",
+                                              "AlwaysFailure",
+                                              "AlwaysSuccess",
+                                              "AsyncFallback",
+                                              "AsyncSequence",
+                                              "BehaviorTree",
+                                              "Condition",
+                                              "Control",
+                                              "Decorator",
+                                              "Delay",
+                                              "EntryUpdated",
+                                              "Fallback",
+                                              "ForceFailure",
+                                              "ForceSuccess",
+                                              "IfThenElse",
+                                              "Inverter",
+                                              "KeepRunningUntilFailure",
+                                              "LoopBool",
+                                              "LoopDouble",
+                                              "LoopInt",
+                                              "LoopString",
+                                              "ManualSelector",
+                                              "Parallel",
+                                              "ParallelAll",
+                                              "Precondition",
+                                              "ReactiveFallback",
+                                              "ReactiveSequence",
+                                              "Repeat",
+                                              "RetryUntilSuccessful",
+                                              "RunOnce",
+                                              "Script",
+                                              "ScriptCondition",
+                                              "Sequence",
+                                              "SequenceStar",
+                                              "SequenceWithMemory",
+                                              "SetBlackboard",
+                                              "SkipUnlessUpdated",
+                                              "Sleep",
+                                              "SubTree",
+                                              "Switch2",
+                                              "Switch3",
+                                              "Switch4",
+                                              "Switch5",
+                                              "Switch6",
+                                              "TestNode",
+                                              "Timeout",
+                                              "TreeNodesModel",
+                                              "TryCatch",
+                                              "UnsetBlackboard",
+                                              "WaitValueUpdate",
+                                              "WasEntryUpdated",
+                                              "WhileDoElse",
+                                              "include",
+                                              "root"};
 
 // "-0.25" as a part of a name: "m0p25"; "1e-07": "1em07".
 std::string number_in_name(const std::string& number) {
@@ -86,12 +86,12 @@ std::string condition_id(const Node& condition, const Vocabulary& vocabulary) {
 }
 
 std::vector<std::string> entry_names(const Vocabulary& vocabulary) {
-  return identifiers(feature_names(vocabulary), kScriptWords);
+  return identifiers(feature_names(vocabulary), script_words);
 }
 
 Result<NodeIds> node_ids(const Vocabulary& vocabulary) {
   NodeIds ids;
-  ids.actions = identifiers(vocabulary.actions, kBuiltIn);
+  ids.actions = identifiers(vocabulary.actions, built_in_nodes);
   const std::set<std::string> actions(ids.actions.begin(), ids.actions.end());
   for (std::size_t f = 0; f < vocabulary.features.size(); ++f) {
     const Feature& feature = vocabulary.features[f];

@@ -189,6 +189,7 @@ std::vector<double> entropy_edges(std::vector<ClassedReading> readings, std::siz
   std::stable_sort(cuts.begin(), cuts.end(), [](const Cut& a, const Cut& b) { return a.gained > b.gained; });
   cuts.resize(std::min(cuts.size(), bins - 1));
   std::vector<double> edges;
+  edges.reserve(cuts.size());
   for (const Cut& cut : cuts) {
     edges.push_back(cut.edge);
   }

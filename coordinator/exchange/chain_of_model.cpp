@@ -24,6 +24,7 @@ Result<std::vector<bool>> chosen_states(const std::string& place, const StateCho
     const auto found = model.labels.find(choice.label);
     if (found == model.labels.end()) {
       std::vector<std::string> names;
+      names.reserve(model.labels.size());
       for (const auto& [name, states] : model.labels) {
         names.push_back(name);
       }
@@ -132,6 +133,7 @@ Result<void> check_wishes(const ProblemFile& file, const Model& model) {
 Result<Encoding> encode(const Model& model, const PolicyOfModel& policy, const ProblemFile& file) {
   const std::vector<FeatureWish> wishes = wishes_of(file, model.feature_names);
   std::vector<std::string> names;
+  names.reserve(wishes.size());
   for (std::size_t f = 0; f < wishes.size(); ++f) {
     names.push_back(wishes[f].name.empty() ? model.feature_names[f] : wishes[f].name);
   }
@@ -177,6 +179,7 @@ Result<NoAction> no_action_of(const ProblemFile& file, const Model& model) {
 
 std::vector<StartShare> starts_of(const Model& model) {
   std::vector<double> probabilities;
+  probabilities.reserve(model.starts.size());
   for (const ModelStart& start : model.starts) {
     probabilities.push_back(start.probability);
   }

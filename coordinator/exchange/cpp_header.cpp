@@ -10,7 +10,7 @@ namespace {
 
 // [lex.key], [lex.digraph] of C++17, the words that C++20 added, and the names that the header itself uses; macros of
 // <cmath> and <windows.h> that have bitten enumerators.
-const std::set<std::string> kReserved = {
+const std::set<std::string> reserved_words = {
     "alignas",     "alignof",   "and",        "and_eq",      "asm",      "auto",         "bitand",
     "bitor",       "bool",      "break",      "case",        "catch",    "char",         "char8_t",
     "char16_t",    "char32_t",  "class",      "compl",       "concept",  "const",        "consteval",
@@ -30,7 +30,7 @@ const std::set<std::string> kReserved = {
 // Names with two underscores in a row, or one before a capital, belong to the implementation ([lex.name]).
 std::vector<std::string> cpp_names(const std::vector<std::string>& names) {
   std::vector<std::string> mine;
-  std::set<std::string> reserved = kReserved;
+  std::set<std::string> reserved = reserved_words;
   for (const std::string& name : names) {
     std::string allowed;
     for (const char c : name) {

@@ -37,6 +37,7 @@ class CsvLog : public LogReader {
       return wrong(fmt::format("{} columns: expected at most {}", fields_.size(), kMaxColumns));
     }
     std::vector<std::string> names;
+    names.reserve(fields_.size());
     for (const std::string_view field : fields_) {
       names.emplace_back(without_quotes(field));
     }

@@ -33,6 +33,7 @@ std::vector<std::string> identifiers(const std::vector<std::string>& names, cons
 
 std::vector<std::string> feature_names(const Vocabulary& vocabulary) {
   std::vector<std::string> names;
+  names.reserve(vocabulary.features.size());
   for (const Feature& feature : vocabulary.features) {
     names.push_back(feature.name);
   }

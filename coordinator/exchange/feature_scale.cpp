@@ -43,7 +43,10 @@ std::vector<std::string> legal_names(const std::vector<std::string>& names, cons
     const bool inner = first != std::string::npos && !is_name_character(name.front());
     text = inner ? text.substr(first, text.find_last_not_of('_') - first + 1) : text;
     const bool headless = text.empty() || (text.front() >= '0' && text.front() <= '9');
-    text = (headless ? prefix + text : text).substr(0, kKept);
+    if (headless) {
+      text.insert(0, prefix);
+    }
+    text.resize(std::min(text.size(), kKept));
     std::string unique = text;
     for (std::size_t number = 2; !taken.insert(unique).second; ++number) {
       unique = fmt::format("{}_{}", text, number);

@@ -174,6 +174,7 @@ Result<Imported> import_model(const ImportSettings& settings, SourceFormat forma
   ImportReport before;
   before.format = name_of(format);
   before.unreachable_states = keep_reachable(*model);
+  // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): loses sight of a std::function that is moved
   auto policy = settings.solve ? solved_policy(*valuation, *model, during("solving"), before)
                                : given_policy(settings, *valuation, *model, during("valuing"), before);
   if (!policy) {

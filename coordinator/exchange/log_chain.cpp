@@ -17,6 +17,7 @@ Result<void> make_features(CountedLog& log, const std::vector<FeatureWish>& wish
   LogCounter& counter = *log.counter;
   const std::size_t width = log.header.features.size();
   std::vector<std::string> names;
+  names.reserve(width);
   for (std::size_t f = 0; f < width; ++f) {
     names.push_back(wishes[f].name.empty() ? log.header.features[f] : wishes[f].name);
   }

@@ -199,7 +199,7 @@ Result<LogCounter::Obstacle> LogCounter::begin_step(const LogStep& step, const L
 }
 
 Result<LogCounter::Obstacle> LogCounter::add(const LogStep& step, const LogReader& log) {
-  const auto begun = begin_step(step, log);
+  auto begun = begin_step(step, log);
   if (!begun || *begun != Obstacle::none) {
     return begun;
   }

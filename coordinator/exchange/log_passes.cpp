@@ -194,6 +194,7 @@ class LogPasses {
         readings = std::move(*sampled);
       }
       std::vector<ClassedReading> classed;
+      classed.reserve(readings->action.size());
       for (std::size_t i = 0; i < readings->action.size(); ++i) {
         classed.push_back({readings->readings[i * readings->width + f], readings->action[i], 1.0});
       }

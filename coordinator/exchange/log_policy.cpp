@@ -195,6 +195,7 @@ Result<void> value_log(const ImportSettings& settings, const ProblemFile& file, 
   };
   const bool with_readings = !settings.q.empty() || !settings.policy.empty() || !file.collisions.when.empty();
   Model model = model_of_counts(parts, names, tries, with_readings);
+  // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): loses sight of a std::function that is moved
   auto policy = policy_of_log(settings, model, tries, solving, during("solving"), report);
   if (!policy) {
     return tl::unexpected(policy.error());

@@ -317,7 +317,8 @@ std::vector<double> occupancy_of_policy(const Model& model, const std::vector<Ac
     terminal[state] = true;
   }
   std::vector<double> next(model.states());
-  for (double weight = 1.0 - gamma; weight > kNegligible * (1.0 - gamma); weight *= gamma) {  // gamma < 1: it ends
+  double weight = 1.0 - gamma;
+  while (weight > kNegligible * (1.0 - gamma)) {  // gamma < 1: it ends
     std::fill(next.begin(), next.end(), 0.0);
     for (std::size_t state = 0; state < now.size(); ++state) {
       occupancy[state] += weight * now[state];
@@ -330,6 +331,7 @@ std::vector<double> occupancy_of_policy(const Model& model, const std::vector<Ac
       }
     }
     now.swap(next);
+    weight *= gamma;
   }
   return occupancy;
 }

@@ -67,7 +67,7 @@ Result<void> read_feature(const Json& entry, SourceHeader& header) {
   }
   for (const auto& [value, label] : values->items()) {
     const auto reading = to_double(value);
-    const auto text = text_of(key + ".values." + value, label);
+    const auto text = text_of(fmt::format("{}.values.{}", key, value), label);
     if (!reading || !text) {
       return reading ? Result<void>(tl::unexpected(text.error()))
                      : bad_input(fmt::format("\"{}.values.{}\": expected a number as key", key, value));

@@ -60,9 +60,9 @@ std::optional<std::vector<bool>> flags_of(const SimulatorJson& json, std::size_t
 }
 
 const SimulatorJson& member(const SimulatorJson& json, const char* key) {
-  static const SimulatorJson kNull;
+  static const SimulatorJson none_given;
   const auto found = json.find(key);
-  return found == json.end() ? kNull : *found;
+  return found == json.end() ? none_given : *found;
 }
 
 std::optional<std::vector<std::vector<double>>> observations_of(const SimulatorJson& json, std::size_t size,
@@ -127,6 +127,7 @@ Result<ExternalSimulator> ExternalSimulator::start(const std::string& command, c
                            *line);
   }
   std::vector<std::string> features;
+  features.reserve(vocabulary.features.size());
   for (const Feature& feature : vocabulary.features) {
     features.push_back(feature.name);
   }

@@ -51,7 +51,8 @@ std::string to_gnuplot(const IntervalPlot& plot) {
                       gnuplot_string(plot.title), rows);
   for (std::size_t p = 0; p < plot.panels.size(); ++p) {
     const double left = labels + static_cast<double>(p % across) * kPanelWidth;
-    const double top = kTitle + static_cast<double>(p / across) * line_height + kAbovePanel;  // from above
+    const std::size_t line = p / across;
+    const double top = kTitle + static_cast<double>(line) * line_height + kAbovePanel;  // from above
     text += fmt::format("set lmargin at screen {:.4f}\nset rmargin at screen {:.4f}\n", left / width,
                         (left + kPanelWidth - kBesidePanel) / width);
     text += fmt::format("set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\n", 1.0 - top / height,

@@ -104,6 +104,7 @@ class OnChain {
       return 0.0;
     }
     std::vector<std::uint8_t> actions;
+    actions.reserve(chain.states());
     for (std::size_t s = 0; s < chain.states(); ++s) {
       actions.push_back(static_cast<std::uint8_t>(index_of(chain.policy(s))));
     }

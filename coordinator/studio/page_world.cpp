@@ -42,6 +42,7 @@ struct Scene {
 
 Scene scene_of(const Trace& trace, const Grid& grid, std::size_t first, std::size_t end) {
   std::vector<bool> trash;
+  trash.reserve(grid.cells.size());
   for (const Cell cell : grid.cells) {
     trash.push_back(cell == Cell::trash);
   }

@@ -27,7 +27,7 @@ struct TreeFormat {
   Result<std::string> (*write)(const ExportedTree& exported);
 };
 
-const std::array<TreeFormat, 9> kTreeFormats{{
+const std::array<TreeFormat, 9> tree_formats{{
     {"text", ".tree", "one line of text, as every command takes it", false,
      [](const ExportedTree& e) { return Result<std::string>(to_text(e.tree, e.vocabulary) + "\n"); }},
     {"behaviortree", ".xml", "XML of BehaviorTree.CPP 4, scripts", false,
@@ -51,7 +51,7 @@ const std::array<TreeFormat, 9> kTreeFormats{{
 
 Json export_formats() {
   Json formats = Json::array();
-  for (const TreeFormat& format : kTreeFormats) {
+  for (const TreeFormat& format : tree_formats) {
     formats.push_back({{"format", format.name}, {"what", format.what}});
   }
   return formats;
@@ -60,7 +60,7 @@ Json export_formats() {
 Result<Json> export_tree(const Tree& tree, const Study& study, const std::string& format) {
   const Vocabulary& vocabulary = study.chain().vocabulary();
   std::string names;
-  for (const TreeFormat& known : kTreeFormats) {
+  for (const TreeFormat& known : tree_formats) {
     names += fmt::format("{}{}", names.empty() ? "" : ", ", known.name);
     if (format != known.name) {
       continue;

@@ -32,7 +32,7 @@ Result<void> check_text(std::string_view what, const std::string& text, std::siz
 std::string utc_now() {
   const std::time_t now = std::time(nullptr);
   std::tm parts{};
-  gmtime_r(&now, &parts);
+  static_cast<void>(gmtime_r(&now, &parts));
   return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", parts.tm_year + 1900, parts.tm_mon + 1, parts.tm_mday,
                      parts.tm_hour, parts.tm_min, parts.tm_sec);
 }

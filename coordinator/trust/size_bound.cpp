@@ -50,6 +50,7 @@ std::vector<std::vector<std::uint8_t>> splits_of(const Chain& chain) {
         const Node condition = Node::condition(f, op, value);
         std::vector<std::uint8_t> split;
         const bool first = holds(condition, chain.features_of(0));
+        split.reserve(chain.states());
         for (std::size_t s = 0; s < chain.states(); ++s) {
           split.push_back(holds(condition, chain.features_of(s)) == first ? 0 : 1);
         }

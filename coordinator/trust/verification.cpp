@@ -181,6 +181,7 @@ Result<Verification> verify(const Chain& chain, const Tree& tree, const std::vec
   result.states = chain.states();
   result.reached = model.reached();
   std::vector<std::uint8_t> policy;
+  policy.reserve(chain.states());
   for (std::size_t state = 0; state < chain.states(); ++state) {
     policy.push_back(static_cast<std::uint8_t>(index_of(chain.policy(state))));
   }
