@@ -74,6 +74,7 @@ Result<std::vector<ControllerScore>> simulate_front(const Study& study, const Fr
                                                     const SimulateOption& option, const StopFlag& stop) {
   const SimulateSettings settings = settings_of(option, study);
   std::vector<Tree> trees;
+  trees.reserve(front.members.size());
   for (const FrontMember& member : front.members) {
     trees.push_back(member.tree);
   }

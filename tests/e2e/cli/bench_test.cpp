@@ -100,5 +100,17 @@ TEST_F(Bench, AWorkerRefusesAPaceThatIsNone) {
   EXPECT_NE(completed.error.find("--pace: 'soon'"), std::string::npos) << completed.error;
 }
 
+TEST_F(Bench, AWorkerRefusesCoresThatItCannotKeepTo) {
+  const auto refusal = [](const std::string& cores) {
+    const Completed completed = run_to_end(
+        {.program = COPPICE_WORKER_PROGRAM, .arguments = {"--cores", cores}, .folder = {}, .environment = {}});
+    EXPECT_EQ(completed.ending, kWrongUse);
+    return completed.error;
+  };
+  EXPECT_NE(refusal("0,0").find("--cores: found 2, expected as many as there are evaluating threads, 1"),
+            std::string::npos);
+  EXPECT_NE(refusal("4095").find("--cores: found core 4095, expected some of"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace coppice::e2e
