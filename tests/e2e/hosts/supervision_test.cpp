@@ -78,10 +78,15 @@ TEST_F(Supervision, TellsSystemdWhatAWorkerDoes) {
 TEST_F(Supervision, AsksAWorkerForItsHealth) {
   Process& standing = start_worker(0, {"--metrics", "0"});
   const std::string port = port_of(standing);
-  const Completed waits = ask(port);
+  Completed waits = ask(port);
+  while (waits.output.find("waiting for a coordinator at 127.0.0.1") == std::string::npos) {  // it is starting
+    ASSERT_EQ(waits.ending, kDone) << waits.output;
+    waits = ask(port);
+  }
   EXPECT_EQ(waits.ending, kDone) << waits.output;
-  EXPECT_NE(waits.output.find("waiting for a coordinator at 127.0.0.1"), std::string::npos) << waits.output;
-  standing.signal(SIGSTOP);  // as one that hangs
+  standing.signal(SIGSTOP);            // as one that hangs
+  while (ask(port).ending == kDone) {  // the signal reaches its threads one by one
+  }
   EXPECT_EQ(ask(port).ending, kFailed);
   standing.signal(SIGCONT);
   EXPECT_EQ(ask(port).ending, kDone);
