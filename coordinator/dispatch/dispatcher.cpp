@@ -34,8 +34,8 @@ RequestId Dispatcher::open(const RequestTerms& terms, Time now) {
     hang_limit_ = kFirstHangLimit;
     without_worker_since_.reset();
     for (auto& [id, worker] : roster_.all()) {
-      // Who is at work will tell by its answer. Demes open requests all the time: if each counted against those that
-      // have a long epoch in hand, they would be taken for quick, their epochs for overdue, and be computed twice.
+      // A worker that is at work will show its pace by its answer. Demes open requests all the time: if each request
+      // made the paces of busy workers shorter, their epochs would count as overdue and be computed twice.
       if (flight_.load(id) == 0) {
         worker.pace.doubt(now);
       }

@@ -142,7 +142,7 @@ void Dispatcher::settle(AnswerHeard& answer, const Batch& batch, const std::vect
   cross_check_.took_unchecked(answer.worker, unchecked);
 }
 
-// Who was overtaken by a copy is the very one that must be known to be slow, or it would be given the next epoch too.
+// Counts for batches that a copy has overtaken, too: their worker is the one that must become known as slow.
 void Dispatcher::learn_pace(const AnswerHeard& answer, const InFlight::Found& out, Time heard) {
   if (KnownWorker* const worker = roster_.find(answer.worker); worker != nullptr) {
     // No longer than it was away, whatever it says.

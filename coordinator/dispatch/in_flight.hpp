@@ -48,8 +48,8 @@ class InFlight {
 
   explicit InFlight(const InFlightLimits& limits) : limits_(limits) {}
 
-  // A request without units, of that class; a batch holds at most so many of them. REQUIRES: never opened before;
-  // most_per_batch >= 1.
+  // A request without units. `most_per_batch`: units in one batch; `work`: the class of all its units. REQUIRES: never
+  // opened before; most_per_batch >= 1.
   void open(RequestId request, std::uint32_t most_per_batch = ~std::uint32_t{0}, const WorkClass& work = {});
   // So many more units of it, after those it has. REQUIRES: open.
   void add(RequestId request, std::uint32_t units);

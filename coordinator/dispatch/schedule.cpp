@@ -47,8 +47,8 @@ struct Offer {
   bool late = false;
 };
 
-// To whom the next batch should go: of those that would be done in time with one more, the first to be free. Who should
-// have answered already may never do so: it is the last to be asked.
+// To whom the next batch should go: of those that would be done in time with one more, the first to be free. A worker
+// that should have answered already may never do so, so it is asked last.
 Offer next_offer(const InFlight& flight, std::span<const ReadyWorker> workers, const FleetPace& fleet,
                  const std::set<WorkerId>& late, InFlight::Time now, double end) {
   Offer next;

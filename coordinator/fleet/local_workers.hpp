@@ -51,7 +51,7 @@ class LocalWorkers {
   // Another one in the place of one that was reaped, with the same flags. Errors: it cannot be started.
   Result<pid_t> start_again(std::size_t place);
 
-  // Whether this one was given the core for itself.
+  // Whether this worker runs on that core, as one of those that were given cores of their own.
   bool keeps_to(pid_t worker, int core) const;
   // Those that run.
   std::vector<pid_t> pids() const;

@@ -19,9 +19,9 @@ Result<void> Fleet::perform(Actions& actions) {
   return {};
 }
 
-// A worker of ours that keeps to the core on which this thread runs begins as soon as something is written to it, and
-// the system may let it have the core for milliseconds, before the others were written to (measured: on two cores one
-// generation in three lost 2 to 4 ms so). What an order of its batches does not change: any order of tasks is right.
+// Puts the tasks of a local worker that keeps to the core of this thread behind those of all others. Such a worker
+// begins as soon as its task is written, and the system may let it run for milliseconds before this thread can write to
+// the others (on two cores, one generation in three lost 2 to 4 ms in this way). Tasks may be sent in any order.
 void Fleet::send_own_core_last(Actions& actions) const {
   if (!local_) {
     return;

@@ -204,38 +204,10 @@ class OutsideWalk {
 
 }  // namespace
 
-Result<std::vector<EpisodeRecord>> simulate_outside(const std::string& command, const Chain& chain, const Tree* tree,
+Result<std::vector<EpisodeRecord>> simulate_outside(ExternalSimulator& simulator, const Chain& chain, const Tree* tree,
                                                     const SimulateSettings& settings, const SimulateProgress& go_on,
                                                     const SimulateWatch& watch) {
-  Result<ExternalSimulator> simulator = ExternalSimulator::start(command, chain.vocabulary(), settings.stop);
-  if (!simulator) {
-    return tl::unexpected(std::move(simulator).error());
-  }
-  return OutsideWalk(*simulator, chain, tree, settings, go_on, watch).run();
-}
-
-Result<std::vector<std::vector<EpisodeRecord>>> simulate_outside_all(const std::string& command, const Chain& chain,
-                                                                     std::span<const Tree> trees,
-                                                                     const SimulateSettings& settings,
-                                                                     const SimulateProgress& go_on,
-                                                                     const std::function<void(std::size_t)>& done) {
-  Result<ExternalSimulator> simulator = ExternalSimulator::start(command, chain.vocabulary(), settings.stop);
-  if (!simulator) {
-    return tl::unexpected(std::move(simulator).error());
-  }
-  const SimulateWatch unwatched;
-  std::vector<std::vector<EpisodeRecord>> all;
-  for (const Tree& tree : trees) {
-    auto episodes = OutsideWalk(*simulator, chain, &tree, settings, go_on, unwatched).run();
-    if (!episodes) {
-      return tl::unexpected(std::move(episodes).error());
-    }
-    all.push_back(*std::move(episodes));
-    if (done) {
-      done(all.size());
-    }
-  }
-  return all;
+  return OutsideWalk(simulator, chain, tree, settings, go_on, watch).run();
 }
 
 }  // namespace coppice

@@ -2,12 +2,9 @@
 // same records. The tree is ticked on the readings themselves, so it runs on observations that the chain never met.
 #pragma once
 
-#include <cstddef>
-#include <functional>
-#include <span>
-#include <string>
 #include <vector>
 
+#include "coordinator/learning/external_simulator.hpp"
 #include "coordinator/learning/simulate.hpp"
 
 namespace coppice {
@@ -17,16 +14,8 @@ namespace coppice {
 // takes place is what the chain says (Chain::taken); in a state that the chain does not know a named action, or, for
 // `worst`, action 0. Errors: those of the simulator; interrupted. Nothing is kept of a run that fails. REQUIRES:
 // check_tree(*tree, chain.vocabulary()).
-Result<std::vector<EpisodeRecord>> simulate_outside(const std::string& command, const Chain& chain, const Tree* tree,
+Result<std::vector<EpisodeRecord>> simulate_outside(ExternalSimulator& simulator, const Chain& chain, const Tree* tree,
                                                     const SimulateSettings& settings, const SimulateProgress& go_on,
                                                     const SimulateWatch& watch);
-
-// The same for many trees, one after the other in one process: [trees][episodes]. `done` is told how many trees are
-// done; may be empty.
-Result<std::vector<std::vector<EpisodeRecord>>> simulate_outside_all(const std::string& command, const Chain& chain,
-                                                                     std::span<const Tree> trees,
-                                                                     const SimulateSettings& settings,
-                                                                     const SimulateProgress& go_on,
-                                                                     const std::function<void(std::size_t)>& done);
 
 }  // namespace coppice

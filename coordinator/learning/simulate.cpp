@@ -104,11 +104,22 @@ Result<std::vector<EpisodeRecord>> simulate_in(const Simulator& simulator, const
                       [&](std::uint32_t code) { return observations.policy(code).value_or(kActionWhenUnknown); });
 }
 
-Result<std::vector<EpisodeRecord>> simulate(const World& world, const Chain& chain, const Tree* tree,
-                                            const SimulateSettings& settings, const SimulateProgress& go_on,
-                                            const SimulateWatch& watch) {
-  if (world.kind == WorldKind::outside) {
-    return simulate_outside(world.simulator, chain, tree, settings, go_on, watch);
+// The process of a problem's own simulator; nothing for a world of ours.
+Result<std::optional<ExternalSimulator>> start_outside(const World& world, const Chain& chain,
+                                                       const SimulateSettings& settings) {
+  if (world.kind != WorldKind::outside) {
+    return std::nullopt;
+  }
+  return ExternalSimulator::start(world.simulator, chain.vocabulary(), settings.stop)
+      .map([](ExternalSimulator started) { return std::optional(std::move(started)); });
+}
+
+// In `outside`, if there is one.
+Result<std::vector<EpisodeRecord>> simulate(std::optional<ExternalSimulator>& outside, const World& world,
+                                            const Chain& chain, const Tree* tree, const SimulateSettings& settings,
+                                            const SimulateProgress& go_on, const SimulateWatch& watch) {
+  if (outside) {
+    return simulate_outside(*outside, chain, tree, settings, go_on, watch);
   }
   return with_simulator(
       world, [&](const auto& simulator) { return simulate_in(simulator, chain, tree, settings, go_on, watch); });
@@ -119,7 +130,11 @@ Result<std::vector<EpisodeRecord>> simulate(const World& world, const Chain& cha
 Result<std::vector<EpisodeRecord>> simulate_tree(const World& world, const Chain& chain, const Tree& tree,
                                                  const SimulateSettings& settings, const SimulateProgress& go_on,
                                                  const SimulateWatch& watch) {
-  return simulate(world, chain, &tree, settings, go_on, watch);
+  auto outside = start_outside(world, chain, settings);
+  if (!outside) {
+    return tl::unexpected(std::move(outside).error());
+  }
+  return simulate(*outside, world, chain, &tree, settings, go_on, watch);
 }
 
 Result<std::vector<std::vector<EpisodeRecord>>> simulate_trees(const World& world, const Chain& chain,
@@ -127,12 +142,13 @@ Result<std::vector<std::vector<EpisodeRecord>>> simulate_trees(const World& worl
                                                                const SimulateSettings& settings,
                                                                const SimulateProgress& go_on,
                                                                const std::function<void(std::size_t)>& done) {
-  if (world.kind == WorldKind::outside) {
-    return simulate_outside_all(world.simulator, chain, trees, settings, go_on, done);
+  auto outside = start_outside(world, chain, settings);
+  if (!outside) {
+    return tl::unexpected(std::move(outside).error());
   }
   std::vector<std::vector<EpisodeRecord>> all;
   for (const Tree& tree : trees) {
-    auto episodes = simulate_tree(world, chain, tree, settings, go_on);
+    auto episodes = simulate(*outside, world, chain, &tree, settings, go_on, {});
     if (!episodes) {
       return tl::unexpected(std::move(episodes).error());
     }
@@ -146,7 +162,11 @@ Result<std::vector<std::vector<EpisodeRecord>>> simulate_trees(const World& worl
 
 Result<std::vector<EpisodeRecord>> simulate_policy(const World& world, const Chain& chain,
                                                    const SimulateSettings& settings, const SimulateProgress& go_on) {
-  return simulate(world, chain, nullptr, settings, go_on, {});
+  auto outside = start_outside(world, chain, settings);
+  if (!outside) {
+    return tl::unexpected(std::move(outside).error());
+  }
+  return simulate(*outside, world, chain, nullptr, settings, go_on, {});
 }
 
 }  // namespace coppice

@@ -118,7 +118,7 @@ Result<EvolveReport> evolve_in_study(Study& study, const EvolveTask& task, const
   }
   const Clock::time_point began = Clock::now();
   EvolveHooks hooks;
-  // Of the epoch that is told of next: saved with it, so that nothing is half there.
+  // The records by deme of the epoch that generations_done reports next. One transaction saves both.
   std::vector<std::vector<GenerationRecord>> of_demes;
   hooks.demes_done = [&](std::span<const std::vector<GenerationRecord>> records) {
     of_demes.assign(records.begin(), records.end());

@@ -6,8 +6,7 @@
 #include <string>
 
 #include "common/tree/text.hpp"
-#include "coordinator/learning/learn.hpp"
-#include "coordinator/learning/rooms.hpp"
+#include "tests/coordinator/runs/learned_room.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace coppice {
@@ -20,15 +19,7 @@ struct Entry {
 
 class AnswerTest : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    LearnSettings learning = default_settings(WorldKind::uav, Algorithm::q_learning);
-    learning.episodes = 3000;
-    const auto world = make_world("uav", std::string(default_room()));
-    ASSERT_TRUE(world.has_value());
-    const auto learned = learn(*world, learning, {});
-    ASSERT_TRUE(learned.has_value());
-    chain_.emplace(learned->chain);
-  }
+  static void SetUpTestSuite() { chain_.emplace(learned_room()); }
   static void TearDownTestSuite() { chain_.reset(); }
 
   AnswerTest() {
